@@ -10,22 +10,13 @@ import numpy as np
 from chain_impact.pictures.drawing.style import raise_exponents
 from chain_impact.scene.texts.unit_text import scene_unit, with_unit
 from chain_impact.studies.fit.estimates import Estimates
+from chain_impact.studies.fit.parameters import Parameter
 from chain_impact.studies.fit.report import rounded_text
 from chain_impact.studies.fit.unknown import error_text
 from chain_impact.text import number_text
 
-MOST_ESTIMATES = 10  # largest number of parameters that are listed below the headline
+MOST_ESTIMATES = 10  # largest number of parameters of which ranges are listed
 ERROR_DECIMALS = 7  # the largest number of decimals with which a standard error and its value are written
-
-
-def estimate_texts(fit: Estimates, omitted_label: str = "") -> list[str]:
-    """Return a text for each of the first MOST_ESTIMATES parameters other than ``omitted_label``.
-
-    If there are more parameters, the last text has the number of these.
-    """
-    texts = [estimate_text(fit, label) for label in fit.values if label != omitted_label]
-    rest_count = len(texts) - MOST_ESTIMATES
-    return texts[:MOST_ESTIMATES] + ([f"{rest_count} more parameters"] if rest_count > 0 else [])
 
 
 def estimate_text(fit: Estimates, label: str) -> str:
@@ -41,12 +32,28 @@ def estimate_text(fit: Estimates, label: str) -> str:
     if bound := fit.at_bounds.get(label):
         text = with_unit(number_text(value, 4), scene_unit(parameter.unit, fit.scene))
         return f"{label} at its {bound} bound {raise_exponents(text)}"
-    size = error_text(parameter, value, error / parameter.slope(value))
-    unit = scene_unit(parameter.unit, fit.scene)
-    decimals = 1 - math.floor(math.log10(error)) if 0.0 < error < math.inf else -1
-    if size.endswith("%") or not 0 <= decimals <= ERROR_DECIMALS:
+    size, decimals = short_error_text(fit, label), error_decimals(parameter, value, error)
+    if decimals is None:
+        unit = scene_unit(parameter.unit, fit.scene)
         return f"{label} {raise_exponents(with_unit(rounded_text(value, error), unit))} ± {size}"
-    return f"{label} {value:.{decimals}f} ± {raise_exponents(with_unit(f'{error:.{decimals}f}', unit))}"
+    return f"{label} {value:.{decimals}f} ± {size}"
+
+
+def short_error_text(fit: Estimates, label: str) -> str:
+    """Return the standard error of a parameter as text, as ``estimate_text`` has it: "13 %"."""
+    parameter = next(parameter for parameter in fit.parameters if parameter.label == label)
+    value, error = fit.values[label], fit.standard_errors[label]
+    decimals = error_decimals(parameter, value, error)
+    if decimals is None:
+        return error_text(parameter, value, error / parameter.slope(value))
+    return raise_exponents(with_unit(f"{error:.{decimals}f}", scene_unit(parameter.unit, fit.scene)))
+
+
+def error_decimals(parameter: Parameter, value: float, error: float) -> int | None:
+    """Return the number of decimals of a standard error and its value, or None; see ``estimate_text``."""
+    decimals = 1 - math.floor(math.log10(error)) if 0.0 < error < math.inf else -1
+    is_percentage = error_text(parameter, value, error / parameter.slope(value)).endswith("%")
+    return decimals if not is_percentage and 0 <= decimals <= ERROR_DECIMALS else None
 
 
 def strongest_correlation(fit: Estimates) -> str:

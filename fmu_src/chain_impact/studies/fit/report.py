@@ -119,15 +119,19 @@ def _interval(parameter: Parameter, value: float, error: float, ends: tuple[floa
     The text is "not determined" if the interval ends at both bounds of the parameter or, on a logarithmic
     scale, if high exceeds LOG_SCALE_REACH × low. ``error`` is the standard error, in the unit of the value.
     """
-    low, high = ends
-    if (low, high) == (parameter.low, parameter.high) or (
-        parameter.logarithmic and high > LOG_SCALE_REACH * low
-    ):
+    if not is_determined(parameter, ends):
         return "not determined"
     # Each end is rounded by its own error: on a logarithmic scale the value and the ends have the same
     # relative error.
     errors = [error * end / value for end in ends] if parameter.logarithmic else [error, error]
     return " … ".join(rounded_text(*end).replace("inf", "∞") for end in zip(ends, errors, strict=True))
+
+
+def is_determined(parameter: Parameter, ends: tuple[float, float]) -> bool:
+    """Return whether the data determine a parameter whose 95 % interval has these ``ends``."""
+    low, high = ends
+    is_unbounded = parameter.logarithmic and high > LOG_SCALE_REACH * low
+    return ends != (parameter.low, parameter.high) and not is_unbounded
 
 
 def rounded_text(value: float, error: float) -> str:

@@ -111,7 +111,7 @@ class Fit(PrintedResult, Estimates):
             ValueError: when the size is not possible, or has no room for the panels.
             OSError: when the file cannot be written.
         """
-        from chain_impact.studies.fit.plot import plot_fit
+        from chain_impact.studies.fit.picture import plot_fit
 
         return plot_fit(self, path, size)
 

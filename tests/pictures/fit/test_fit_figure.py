@@ -1,6 +1,7 @@
 """The picture of a fit."""
 
-# Tests: studies/fit/plot.py, studies/fit/estimate_texts.py
+# Tests: studies/fit/picture.py, studies/fit/estimate_texts.py, pictures/fit/columns.py
+# Tests: pictures/fit/contents.py, pictures/fit/estimates.py, pictures/fit/law_ranking.py
 
 import itertools
 import re
@@ -12,11 +13,11 @@ import pytest
 from matplotlib.collections import PathCollection
 
 from chain_impact import fit, load_scene, simulate
-from chain_impact.pictures.drawing.figures import text_boxes
-from chain_impact.pictures.drawing.style import INK, PALETTE, PEAK_COLOUR, metadata_of
+from chain_impact.pictures.drawing.figures import numbers_in_view, text_boxes
+from chain_impact.pictures.drawing.style import PALETTE, PEAK_COLOUR, metadata_of
+from chain_impact.pictures.fit.columns import MEAN, MOST_DOTS, running_means
 from chain_impact.studies.fit.estimates import LawEstimates
-from chain_impact.studies.fit.plot import MEAN, MOST_DOTS, running_means
-from chain_impact.studies.fit.report import heading, least_certain_of, sigma_of
+from chain_impact.studies.fit.report import heading, sigma_of
 from tests.helpers.tools.measurements import FREE, NOISE, TIP, impacts, motion, scene
 from tests.pictures.pictures import contrast
 
@@ -42,7 +43,7 @@ def narrow(found):
 
 
 def test_data_model_residuals_and_impacts(found, usual):
-    axes = usual.axes
+    *axes, _ = usual.axes
     assert [panel.get_ylabel().split(" ")[0] for panel in axes[::2]] == [*TIP, "onset"]
     values, rest = axes[:2]
     curve, points = values.get_lines()
@@ -78,29 +79,72 @@ def test_panels_have_rooms_of_their_own(count):
     page = fit(scene(), [data], FREE, sigma=SIGMA if count > len(TIP) else dict.fromkeys(TIP, NOISE)).plot()
     page.draw_without_rendering()
     places = [axes.get_position() for axes in page.axes]
-    assert len(places) == 2 * count
+    assert len(places) == 2 * count + 1
     assert not any(one.overlaps(other) for one, other in itertools.combinations(places, 2))
+    assert places.pop().y1 < min(place.y0 for place in places)  # the estimates
     assert len({round(place.y0, 3) for place in places}) == 2  # one row
     assert count == len(TIP) or places[-1].width < 0.8 * places[0].width  # the panel of impacts
 
 
 def test_the_headline_has_what_was_found(found, usual, narrow):
-    title = usual.get_suptitle().replace("\n", " ")
-    name = max(FREE, key=lambda label: found.standard_errors[label] / abs(found.values[label]))
-    value, error = re.search(rf"{re.escape(name)} (\S+).*? ± (\S+)", title).groups()
-    assert float(value) == pytest.approx(found.values[name], abs=found.standard_errors[name])
-    assert float(error) > 0.0
-    assert title.endswith(f"least certain of {len(FREE)}")
+    page = usual
+    title = page.get_suptitle().replace("\n", " ")
+    errors = {label: found.standard_errors[label] / abs(found.values[label]) for label in FREE}
+    assert max(errors, key=lambda label: errors[label]) == "contact.stiffness"
+    size = f"{100.0 * errors['contact.stiffness']:.2g} %"
+    assert title == f"FourLinkBox: stiffness ± {size} is the least certain of {len(FREE)}"
     assert narrow.get_suptitle().replace("\n", " ") == title
-    told = "\n".join(text.get_text() for text in usual.texts).replace("\n", " ")
-    assert all(name in title + told for name in FREE)
+    told = "\n".join(text.get_text() for text in page.texts).replace("\n", " ")
     rms, most = re.search(r"rms residual (\S+) σ\s.*?correlation (\S+) of", told).groups()
     assert float(rms) == pytest.approx(np.sqrt(np.mean((found.residuals / found.sigma) ** 2)), rel=1e-2)
     pairs = found.correlation[~np.eye(len(FREE), dtype=bool)]
     assert abs(float(most.replace("−", "-"))) == pytest.approx(np.abs(pairs).max(), abs=0.01)
-    legends = [axes.get_legend() for axes in usual.axes[::2] if axes.get_legend()]
-    keys = [text.get_text() for legend in legends for text in legend.get_texts()]
-    assert keys.count("mean of Δ") == told.count("grey lines: impacts") == 1
+    assert told.count("grey lines: impacts") == 1
+    titles = [axes.get_title() for axes in page.axes[1:-1:2]]
+    assert [", line: mean" in title for title in titles] == [True, True, False]
+
+
+def test_the_headline_of_one_parameter_has_its_value(found):
+    alone = fit(scene(), motion(0.7)[0], FREE[1:2], sigma=dict.fromkeys(TIP, NOISE))
+    (value,) = alone.values.values()
+    text = re.fullmatch(r"FourLinkBox: restitution is (\S+) ± \S+", alone.plot().get_suptitle())[1]
+    assert float(text) == pytest.approx(value, abs=1e-3)
+
+
+@pytest.mark.parametrize("width", [84.0, 190.0])
+def test_each_estimate_has_a_row_with_its_start_and_its_interval(found, narrow, width):
+    page = narrow if width < 150.0 else found.plot(size=(width / 25.4, None))
+    page.draw_without_rendering()
+    axes = page.axes[-1]
+    told = [text.get_text() for text in axes.texts]
+    assert told[::2] == list(FREE)
+    value = re.search(r"([\d.]+) ± ", told[3])[1]
+    assert float(value) == pytest.approx(found.values["contact.restitution"], abs=1e-4)
+    assert ("→" in told[3]) == (width > 150.0)
+    drawn = [line for line in axes.lines if line.get_marker() == "o"]
+    starts, ends = drawn[::2], drawn[1::2]
+    for parameter, start, end in zip(found.parameters, starts, ends, strict=True):
+        value, interval = found.values[parameter.label], found.intervals[parameter.label]
+        assert start.get_xdata()[0] == pytest.approx(max(abs(parameter.start / value - 1.0), 1e-6))
+        assert end.get_xdata()[0] == pytest.approx(max(abs(bound / value - 1.0) for bound in interval))
+    low, high = axes.get_xlim()
+    assert all(low <= line.get_xdata()[0] <= high for line in drawn)
+    numbers = numbers_in_view(axes.xaxis)
+    assert len(numbers) >= 3
+    boxes = [text.get_window_extent() for text in (*axes.texts, *numbers, *axes.get_legend().get_texts())]
+    assert not any(one.overlaps(other) for one, other in itertools.combinations(boxes, 2))
+    assert all(page.bbox.x0 <= box.x0 and box.x1 <= page.bbox.x1 for box in boxes)
+
+
+def test_an_estimate_that_the_data_do_not_determine_has_no_interval(found):
+    label = FREE[0]
+    wide = replace(found, intervals=found.intervals | {label: (1e-3, 1e20)}).plot().axes[-1]
+    at_bound = replace(found, at_bounds={label: "upper"}).plot().axes[-1]
+    for axes in (wide, at_bound):
+        first, end = [line.get_xdata()[0] for line in axes.lines if line.get_marker() == "o"][:2]
+        assert np.isfinite(first)
+        assert np.isnan(end)
+    assert "at its upper bound" in at_bound.texts[1].get_text()
 
 
 def test_a_picture_with_an_estimated_sigma_does_not_tell_its_size():
@@ -112,8 +156,8 @@ def test_a_picture_with_an_estimated_sigma_does_not_tell_its_size():
 
 
 def test_a_value_and_its_error_have_the_same_decimals(found, usual):
-    told = " ".join(text.get_text() for text in usual.texts).replace("\n", " ")
-    value, error = re.search(r"contact\.restitution ([\d.]+) ± ([\d.]+)", told).groups()
+    told = [text.get_text() for text in usual.axes[-1].texts]
+    value, error = re.search(r"→ ([\d.]+) ± ([\d.]+)", told[3]).groups()
     assert len(value.partition(".")[2]) == len(error.partition(".")[2])
     assert float(error) == pytest.approx(found.standard_errors["contact.restitution"], rel=0.05)
 
@@ -125,7 +169,7 @@ def test_a_picture_calls_a_bound_a_bound_and_has_a_warning_in_colour():
     found = fit(arm, columns, ["link[1].joint_damping", "link[1].mass"], sigma={"link[1].angle": 1e-3})
     title, *texts = found.plot().texts
     assert found.at_bounds == {"link[1].joint_damping": "lower"}
-    assert "link[1].joint_damping at its lower bound 0" in title.get_text().replace("\n", " ")
+    assert "link 1 joint damping is at its lower bound 0" in title.get_text().replace("\n", " ")
     (warning,) = (text for text in texts if "errors are too small" in text.get_text())
     assert warning is texts[0]
     assert warning.get_color() == PEAK_COLOUR
@@ -139,7 +183,7 @@ def test_rows_with_a_point_and_a_wall_stand_at_their_own_impacts():
     rows = {name: np.asarray(values)[::-1] for name, values in known.items()}
     sigma = dict.fromkeys(TIP, NOISE) | {"peak_force": "1%"}
     found = fit(scene(), [[columns, rows]], FREE, sigma=sigma)
-    values, rest = found.plot().axes[4:]
+    values, rest = found.plot().axes[4:6]
     assert values.get_lines()[0].get_xdata().tolist() == numbers.tolist()
     ticks = [tick for tick in rest.get_xticks() if np.prod(np.subtract(rest.get_xlim(), tick)) < 0]
     assert ticks == sorted(numbers)
@@ -152,7 +196,7 @@ def test_an_impact_that_the_model_has_later_than_the_data_is_drawn():
     }
     table["onset"] -= 1e-4  # s
     found = fit(scene(), table, FREE, sigma={"onset": 1e-4, "peak_force": "1%"})
-    panels = found.plot().axes
+    *panels, _ = found.plot().axes
     assert [axes.get_lines()[0].get_xdata().tolist() for axes in panels] == [[1, 2]] * 4
     (forces,) = (axes for axes in panels if axes.get_ylabel() == "peak_force [kN]")
     assert forces.get_lines()[0].get_ydata() == pytest.approx(1e-3 * table["peak_force"])
@@ -161,23 +205,19 @@ def test_an_impact_that_the_model_has_later_than_the_data_is_drawn():
 @pytest.mark.full("takes long")
 def test_a_narrow_page_has_one_column(found):
     page = found.plot(size=(84 / 25.4, 12.0))
-    assert (
-        len({round(axes.get_subplotspec().get_topmost_subplotspec().colspan.start) for axes in page.axes})
-        == 1
-    )
+    panels = [axes.get_subplotspec() for axes in page.axes[:-1]]
+    assert len({round(panel.get_topmost_subplotspec().colspan.start) for panel in panels}) == 1
     with pytest.raises(ValueError, match="must be width and height"):
         found.plot(size=(1.0, 1.0))
 
 
-def test_a_narrow_picture_has_all_estimates_below_its_headline(found, usual, narrow):
-    told = [text.get_text() for text in narrow.texts[1 : len(FREE)]]
-    assert [text.split()[0] for text in told] == [n for n in found.values if n != least_certain_of(found)]
+def test_each_axis_of_time_has_a_name_or_one_below_it(usual, narrow):
     # each axis of time with numbers has a name; only an axis above one of the same width can lack both
     for each in (narrow, usual):
-        for axes in each.axes[1::2]:
+        for axes in each.axes[1:-1:2]:
             assert bool(axes.get_xlabel()) == axes.xaxis.get_tick_params()["labelbottom"]
             same = [
-                a for a in each.axes[1::2] if a.get_position().x1 == pytest.approx(axes.get_position().x1)
+                a for a in each.axes[1:-1:2] if a.get_position().x1 == pytest.approx(axes.get_position().x1)
             ]
             assert axes.get_xlabel() or len(same) > 1
 
@@ -186,10 +226,10 @@ def test_a_narrow_picture_has_all_estimates_below_its_headline(found, usual, nar
 def test_the_first_panel_of_a_narrow_page_explains_the_curve_and_the_dots(found, style):
     with matplotlib.style.context(style):
         page = found.plot(size=(84 / 25.4, 8.75))
-    legends = [panel.get_legend() for panel in page.axes[::2]]
+    legends = [panel.get_legend() for panel in page.axes[:-1:2]]
     told = [[text.get_text() for text in legend.get_texts()] if legend else [] for legend in legends]
     first, second, onsets = told
-    assert [text.partition(" ")[0] for text in first] == ["model", "measured", "mean"]
+    assert [text.partition(" ")[0] for text in first] == ["model", "measured"]
     assert not second, "the same curve and dots"
     assert {"model", "measured"} <= {*onsets}, "a dash and bars are other marks"
     curve, points = page.axes[0].get_lines()
@@ -231,7 +271,7 @@ def test_several_data_sets_and_an_input():
         result = simulate(arm, stop_time=0.3, output_step=0.01, inputs={"joint[1].torque": torque})
         tables.append({"time": result.time, "link[1].angle": result["link[1].angle"]})
     found = fit(arm, tables, [], free_each=["joint[1].torque"], sigma={"link[1].angle": 1e-4})
-    values, _ = found.plot().axes
+    values, *_ = found.plot().axes
     assert [text.get_text() for text in values.get_legend().get_texts()][:2] == ["data set 1", "data set 2"]
     for (curve, points), table in zip(zip(*[iter(values.get_lines())] * 2, strict=True), tables, strict=True):
         assert np.interp(table["time"], *curve.get_data()) == pytest.approx(points.get_ydata(), abs=1e-4)
@@ -250,16 +290,16 @@ def test_sigma_has_a_unit_and_tells_that_it_is_estimated(found):
         assert page.axes[1].title.get_window_extent().bounds in [box.bounds for box in text_boxes(page)]
 
 
-@pytest.mark.parametrize(("count", "told"), [(2, False), (len(PALETTE) + 1, True)])
-def test_means_of_several_data_sets_have_a_key_or_a_note(count, told):
+def test_means_of_several_data_sets_are_told_in_the_heading():
     data = {name: motion(0.7)[0][name] for name in ("time", TIP[0])}
-    page = fit(scene(), [data] * count, FREE[:1], sigma={TIP[0]: NOISE}).plot()
-    assert ("lines in panels of Δ: mean of Δ" in page.texts[1].get_text().replace("\n", " ")) == told
-    legend = page.axes[0].get_legend()
-    assert (legend is None) == told
-    if legend:
-        assert legend.get_texts()[-1].get_text() == "mean of Δ"
-        assert legend.legend_handles[-1].get_color() == INK
+    page = fit(scene(), [data] * 2, FREE[:1], sigma={TIP[0]: NOISE}).plot()
+    values, residuals, _ = page.axes
+    assert residuals.get_title().endswith("], line: mean")
+    assert [line.get_color() for line in residuals.lines if line.get_label() == MEAN] == list(PALETTE[:2])
+    assert [text.get_text().partition(" (")[0] for text in values.get_legend().get_texts()] == [
+        "data set 1",
+        "data set 2",
+    ]
 
 
 def test_correlated_residuals_are_told_in_the_picture(found, usual):
