@@ -13,7 +13,8 @@ import pytest
 from matplotlib.collections import PathCollection
 
 from chain_impact import fit, load_scene, simulate
-from chain_impact.pictures.drawing.figures import numbers_in_view, text_boxes
+from chain_impact.pictures.drawing.axis_labels import numbers_in_view
+from chain_impact.pictures.drawing.figures import text_boxes
 from chain_impact.pictures.drawing.style import PALETTE, PEAK_COLOUR, metadata_of
 from chain_impact.pictures.fit.columns import MEAN, MOST_DOTS, running_means
 from chain_impact.studies.fit.estimates import LawEstimates

@@ -9,8 +9,9 @@ import pytest
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.pictures.sweep.curve_marks import MARK_SIZE, broken_line, joined_pairs, jumps_between
-from chain_impact.pictures.sweep.curves import LINE_COLOURS, course_text
+from chain_impact.pictures.sweep.curves import LINE_COLOURS, count_ends, course_text
 from chain_impact.pictures.sweep.quantities import COUNT, MAIN_QUANTITIES, shown_quantities_of
+from chain_impact.scene.scene import load_scene
 from chain_impact.studies.sweep.sweep import sweep
 from chain_impact.text import number_text
 from tests.pictures.pictures import contrast, lab_colour
@@ -171,3 +172,41 @@ def test_repeated_values_are_drawn_once_and_close_ones_named_apart():
     twice = {"contact.stiffness": "1e7,1e8,1e7,1e9,2e9", "contact.restitution": "0.3:0.7:5"}
     mesh = sweep_page(sweep(SCENE, twice)).axes[0].collections[0]
     assert mesh.get_array().shape == (5, 4)
+
+
+def test_lines_with_many_points_have_marks_at_different_places():
+    found = sweep(SCENE, {"contact.restitution": "0.5:0.8:31", "contact.model": "flores,hertz,ye"})
+    for axes in sweep_page(found).axes[:2]:
+        marks = [line for line in axes.lines if line.get_linestyle() == "None" and len(line.get_xdata())]
+        assert all(line.get_markerfacecolor() != "none" for line in marks), "rings"
+        places = [{x for x, y in line.get_xydata().tolist() if np.isfinite(y)} for line in marks]
+        assert len(places) == 2  # flores and ye share a line
+        assert all(2 <= len(each) <= 8 for each in places)
+        assert not places[0] & places[1]
+
+
+def test_a_point_that_no_line_joins_has_a_mark():
+    found = sweep(SCENE, {"contact.restitution": "0.05:0.4:15"})
+    axes = next(axes for axes in sweep_page(found).axes if axes.get_title() == "impacts")
+    counts = found["impact.count"]
+    alone = [k for k in range(15) if counts[k] not in (*counts[max(k - 1, 0) : k], *counts[k + 1 : k + 2])]
+    assert alone
+    (marks,) = [line for line in axes.lines if line.get_linestyle() == "None" and len(line.get_xdata()) > 1]
+    places = [x for x, y in marks.get_xydata().tolist() if np.isfinite(y)]
+    assert places == pytest.approx(found["contact.restitution"][alone])
+    assert marks.get_markersize() == MARK_SIZE
+
+
+@pytest.mark.parametrize("counts", [[81], [0], [1, 2], [0, 1], [3, 4, 9]])
+def test_an_axis_of_counts_has_three_whole_numbers(counts):
+    low, high = count_ends(np.array(counts))
+    assert low < min(counts) <= max(counts) < high
+    assert np.floor(high) - np.ceil(low) >= 2.0
+    assert low > -1.0
+
+
+def test_a_parameter_without_an_effect_is_told():
+    found = sweep(load_scene("bouncing_ball"), {"contact.stiffness": "1e6:1e9:4:log"})
+    assert sweep_page(found).get_suptitle().replace("\n", " ") == (
+        "BouncingBall: stiffness changes none of the results"
+    )

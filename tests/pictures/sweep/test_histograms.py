@@ -32,7 +32,7 @@ def test_samples_of_several_parameters_are_histograms():
         line.get_xydata().T, [found["contact.stiffness"], 1e-3 * found["peak_force"]]
     )
     assert mark.get_xdata() == [SCENE.values["contact.stiffness"]] * 2
-    assert page.get_suptitle().replace("\n", " ").endswith("rises mostly with stiffness")
+    assert page.get_suptitle().replace("\n", " ").endswith("kN rises mostly with stiffness")
     headings = [axes.get_title().replace("\n", " ").partition(": ") for axes in dots]
     assert [name for name, *_ in headings] == ["peak force [kN]", *["peak force [kN], others equal"] * 2]
     assert all(re.fullmatch(r"[−+][\d.]+ to [−+][\d.]+ %", effect) for *_, effect in headings)
@@ -62,10 +62,8 @@ def test_a_choice_of_samples_has_a_box_with_its_median():
         assert level == pytest.approx(np.median(inside))
         assert box.get_y() == pytest.approx(np.quantile(inside, 0.25))
     assert "1e6" not in page.texts[1].get_text()  # the axis shows the range
-    assert [text.get_text() for text in page.legends[0].get_texts()] == [
-        "value in the scene",
-        "middle half and median",
-    ]
+    assert [text.get_text() for text in page.legends[0].get_texts()] == ["middle half and median"]
+    assert "dashed: value in the scene" in page.texts[1].get_text()
 
 
 def test_the_text_tells_a_course_that_falls_and_rises():
@@ -85,7 +83,7 @@ def test_the_text_tells_a_course_that_falls_and_rises():
     senses = [found.sense(parameter, runs[parameter]) for parameter in vary]
     assert senses == ["", "rises"]
     assert found.share("contact.stiffness") + found.share(name) == pytest.approx(found.explained, abs=0.05)
-    assert page.get_suptitle().replace("\n", " ").endswith("rises mostly with stiffness")
+    assert page.get_suptitle().replace("\n", " ").endswith("kN rises mostly with stiffness")
     # two runs that differ in restitution only: the ratio of their forces is that of the effects
     at = sweep(SCENE.with_values({"contact.stiffness": 3e7}), {"contact.restitution": "0.3,0.65"})
     order = np.argsort(runs[name])

@@ -109,15 +109,19 @@ def test_a_choice_without_a_value_has_a_word_in_its_row():
     page = sweep_page(found)
     words = {}
     for axes in page.axes:
-        words[axes.get_xlabel().partition(" [")[0].partition(",")[0]] = {
+        words[axes.get_title().replace("\n", " ").partition(" [")[0].partition(",")[0]] = {
             laws[round(text.get_position()[1])]: text.get_text() for text in axes.texts
         }
-        assert len(axes.lines) == 1
+        _, ring = axes.lines
+        assert ring.get_ydata().tolist() == [laws.index("zhang_sharf")]  # the scene's own law
+        (guides,) = axes.collections  # no line lies on a word
+        rows = {float(y) for (_, y), _ in guides.get_segments()}
+        assert rows == {*range(len(laws))} - {text.get_position()[1] for text in axes.texts}
     assert words["peak force"] == {"newton_impact": "impulse", "kelvin_voigt": "failed"}
     assert words["largest penetration"] == {"kelvin_voigt": "failed"}
     told = page.get_suptitle() + "".join(text.get_text() for text in page.texts)
     assert "1 failed (exponent not allowed)" in told
-    assert "contact.model: 4 choices, zhang_sharf in the scene" in told
+    assert "contact.model: 4 choices, zhang_sharf in the scene (ring)" in told
 
 
 def test_only_the_panels_that_are_named_are_drawn():

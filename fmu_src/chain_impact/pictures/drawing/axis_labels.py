@@ -86,9 +86,14 @@ def thin_ticks(axes: Axes) -> None:
 
     The number nearest to 0 stays if two numbers have room beside each other; else both ends have numbers.
 
-    Only axes with ticks from a MaxNLocator, as by default, are changed.
+    Names of choices that would overlap are turned upright. Only these, and axes with ticks from a
+    MaxNLocator, as by default, are changed.
     """
-    if not isinstance(axes.xaxis.get_major_locator(), MaxNLocator) or not numbers_meet(axes.xaxis):
+    if not numbers_meet(axes.xaxis):
+        return
+    if not isinstance(axes.xaxis.get_major_locator(), MaxNLocator):
+        if any(text.get_text()[:1].isalpha() for text in numbers_in_view(axes.xaxis)):
+            axes.tick_params(axis="x", rotation=90)
         return
     axes.locator_params(axis="x", nbins=LEAST_TICKS, min_n_ticks=LEAST_TICKS, steps=COARSE_STEPS)
     if numbers_meet(axes.xaxis):

@@ -15,6 +15,7 @@ from chain_impact.pictures.sweep.quantities import COUNT, LOADS, Quantity
 from chain_impact.study_data.sweep.runs import SweepRuns
 from chain_impact.variables.peaks import PEAKS
 
+MARKS_OF_LINE = 4  # about the number of marks of each of several lines with many points
 MARK_SIZE, MARK_EDGE = 3.0, 0.9  # [points] the size of a mark, and the width of the edge of a ring
 # a ring is larger than the next mark in it by RING_STEP [points], or less if rings of neighbours would meet
 RING_STEP = 2.8
@@ -82,6 +83,21 @@ def broken_line(points: np.ndarray, is_joined: np.ndarray) -> np.ndarray:
     ``points`` has the shape (2, R), ``is_joined`` the shape (R - 1,).
     """
     return np.insert(points.astype(float), np.flatnonzero(~is_joined) + 1, np.nan, axis=1)
+
+
+def has_marks(curve: np.ndarray, is_joined: np.ndarray, place: int, line_count: int) -> np.ndarray:
+    """Return which points of a line with dots, shape (2, R), have marks, too, shape (R,).
+
+    These are the points that no line joins with others and, of the line number ``place`` of several lines,
+    about MARKS_OF_LINE points, which are other ones in each line, so that no mark hides another one.
+    ``is_joined`` has the shape (R - 1,).
+    """
+    count = curve.shape[1]
+    is_alone = ~(np.append(is_joined, False) | np.append(False, is_joined))
+    if line_count == 1:
+        return is_alone
+    step = max(1, round(count / (MARKS_OF_LINE * line_count))) * line_count
+    return np.asarray(is_alone | (np.arange(count) % step == place * step // line_count))
 
 
 def ring_hidden_marks(axes: Axes, curves: Sequence[np.ndarray], looks: Sequence[dict[str, Any]]) -> None:

@@ -15,11 +15,12 @@ from chain_impact.pictures.drawing.distinct_curves import merged_dashes
 from chain_impact.pictures.drawing.headings import name_above
 from chain_impact.pictures.drawing.law_looks import law_look
 from chain_impact.pictures.drawing.legends import legend_at_head
-from chain_impact.pictures.drawing.style import BLACK, COUNT_STEPS, PALETTE, give_ticks
+from chain_impact.pictures.drawing.style import BLACK, COUNT_STEPS, LEAST_TICKS, PALETTE, give_ticks
 from chain_impact.pictures.sweep.colour_bars import WIDE_RANGE, number_few_decades
 from chain_impact.pictures.sweep.curve_marks import (
     MARK_SIZE,
     broken_line,
+    has_marks,
     is_largest_value,
     joined_pairs,
     known_pairs,
@@ -44,8 +45,10 @@ CROSS: dict[str, Any] = {"color": "0.3", "marker": "x", "markersize": 4, "linest
 RING: dict[str, Any] = CROSS | {"marker": "o", "markerfacecolor": "none"}
 """The marks at the foot of a panel, with matplotlib's names: of a failed run, of a run without impact."""
 FOOT = 0.05  # the distance of the crosses from an edge of the panel, relative to the size of the panel
-FEW_VALUES = 40  # a curve through at most this number of values has a marker at each of them
+FEW_VALUES = 12  # a curve through at most this number of values has a marker at each of them
 DOT_SIZE, LINE_WIDTH = 2.0, 1.4  # [points] the size of a dot and the width of a line
+# samples of a parameter that are more than MANY_SAMPLES have dots of the size SMALL_DOT [points]
+MANY_SAMPLES, SMALL_DOT = 100, 3.0
 MARKERS = "os^Dv<>phX"  # the marks of several lines, the same in all panels
 COUNT_MARGIN = 0.08  # the least distance of counts from the ends of their axis, relative to their range
 # If the axis of the parameter is logarithmic, the axis of a quantity that is no count is logarithmic, too, if
@@ -65,8 +68,8 @@ def draw_curves(
 ) -> None:
     """Draw each quantity over a parameter in its panel, with a cross at the foot for each failed run.
 
-    Samples are points without lines. All other runs have a mark, of which ``ring_hidden_marks`` shows those
-    below others.
+    Samples are points without lines. All other runs have a mark or, on lines with many of them, a dot; of
+    such lines, the points of ``has_marks`` have marks. ``ring_hidden_marks`` shows marks below others.
 
     ``abscissa``: the parameter on the horizontal axis, a number. ``choice``: a second parameter; each of the
     numbers or choices of ``choice`` has a line, but choices with equal results share a line (``lines_of``).
@@ -89,9 +92,20 @@ def draw_curves(
             joined = [np.zeros_like(pairs) for pairs in joined]
         has_lines |= any(pairs.any() for pairs in joined)
         dashes = _dashes_of(curves, joined)
+        marked_curves = [
+            np.where(has_marks(curve, pairs, place, len(curves)), curve, np.nan)
+            if curve.shape[1] > FEW_VALUES
+            else curve
+            for place, (curve, pairs) in enumerate(zip(curves, joined, strict=True))
+        ]
         for curve, pairs, look, dash in zip(curves, joined, looks, dashes, strict=True):
             line = curve if is_sampled else broken_line(curve, pairs)
-            axes.plot(*line, **look | ({"linestyle": dash} if dash else {}))
+            is_dotted = not is_sampled and curve.shape[1] > FEW_VALUES
+            dots = {"marker": ".", "markersize": DOT_SIZE} if is_dotted else {}
+            axes.plot(*line, **look | dots | ({"linestyle": dash} if dash else {}))
+        for marked_curve, look in zip(marked_curves, looks, strict=True):
+            if not is_sampled and marked_curve.shape[1] > FEW_VALUES and np.isfinite(marked_curve).any():
+                axes.plot(*marked_curve, **look | {"linestyle": "", "label": "_"})
         mark_at_foot(axes, values[runs.failed], CROSS)
         is_missed = quantity.is_without_touch(runs)
         has_missed |= bool(is_missed.any())
@@ -103,7 +117,7 @@ def draw_curves(
         if (scene_value := own_value(runs, abscissa)) is not None:
             axes.axvline(scene_value, **SCENE_LINE)
         if not is_sampled:
-            ring_hidden_marks(axes, curves, looks)
+            ring_hidden_marks(axes, marked_curves, looks)
     entries: list[Any] = [Line2D([], [], label=NO_IMPACT, **RING)] if has_missed else []
     if choice:
         # the mark of a line is the same in all panels, its dashes are not
@@ -141,9 +155,8 @@ def gaps_text(
 def _marks(index: int, count: int, *, is_sampled: bool) -> dict[str, Any]:
     """Return the marks of the line number ``index`` with ``count`` points, with matplotlib's names."""
     if is_sampled:
-        return {"marker": ".", "linestyle": "", "rasterized": True}
-    if count > FEW_VALUES:
-        return {"marker": ".", "markersize": DOT_SIZE, "linewidth": LINE_WIDTH}
+        size = {"markersize": SMALL_DOT} if count > MANY_SAMPLES else {}
+        return {"marker": ".", "linestyle": "", "rasterized": True} | size
     marker = MARKERS[index % len(MARKERS)]
     return {"marker": marker, "markersize": MARK_SIZE, "linewidth": LINE_WIDTH, "clip_on": False}
 
@@ -258,6 +271,15 @@ def course_text(values: np.ndarray, shown_values: np.ndarray, name: str) -> str:
     return " and ".join(texts)
 
 
+def count_ends(counts: np.ndarray) -> tuple[float, float]:
+    """Return the ends of an axis of counts: beyond all of them, and around LEAST_TICKS whole numbers."""
+    low, high = float(counts.min()), float(counts.max())
+    margin = max(0.5, COUNT_MARGIN * (high - low))
+    spare = max(0.0, LEAST_TICKS - 1.0 - (high - low))  # how many more whole numbers the axis needs
+    below_count = min(low, np.ceil(0.5 * spare))
+    return low - below_count - margin, high + (spare - below_count) + margin
+
+
 def _set_vertical_axis(axes: Axes, quantity: Quantity, shown_values: np.ndarray) -> None:
     """Set the vertical axis of a panel; if no run has a value, write NO_VALUE_TEXT in it.
 
@@ -271,8 +293,7 @@ def _set_vertical_axis(axes: Axes, quantity: Quantity, shown_values: np.ndarray)
         axes.text(0.5, 0.5, NO_VALUE_TEXT, transform=axes.transAxes, ha="center", color="0.4")
     elif quantity.is_count:
         axes.yaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1, steps=COUNT_STEPS))
-        margin = max(0.5, COUNT_MARGIN * float(np.ptp(finite_values)))
-        axes.set_ylim(finite_values.min() - margin, finite_values.max() + margin)
+        axes.set_ylim(*count_ends(finite_values))
     elif finite_values.min() > 0.0:
         is_over_log = axes.get_xscale() == "log" and finite_values.max() >= DECADE * finite_values.min()
         if is_over_log or value_ratio(finite_values) >= WIDE_RANGE:

@@ -17,7 +17,7 @@ from chain_impact.pictures.drawing.headings import name_above
 from chain_impact.pictures.drawing.legends import legend_above, legend_at_foot
 from chain_impact.pictures.drawing.style import BLUE, COUNT_STEPS, INK, give_ticks
 from chain_impact.pictures.sweep.colour_bars import WIDE_RANGE, number_few_decades
-from chain_impact.pictures.sweep.curves import RING, mark_at_foot
+from chain_impact.pictures.sweep.curves import MANY_SAMPLES, RING, SMALL_DOT, mark_at_foot
 from chain_impact.pictures.sweep.effects import DEGREES, TRENDING, effects_on
 from chain_impact.pictures.sweep.maps import (
     NO_IMPACT,
@@ -122,8 +122,6 @@ def draw_samples(
             name_above(axes, heading)
         _share_vertical_axis(choice_panels)
     keys: list[Any] = []
-    if any(own_value(runs, variation) is not None for variation in drawn_variations):
-        keys.append(Line2D([], [], label="value in the scene", **SCENE_LINE))
     if any(variation.choices for variation in drawn_variations):
         keys.append(Patch(facecolor="none", edgecolor=INK, linewidth=BOX_LINE, label=BOX_TEXT))
     if any(quantity.is_without_touch(runs).any() for quantity in quantities):
@@ -174,12 +172,14 @@ def rank_correlation(first_values: np.ndarray, second_values: np.ndarray) -> flo
 
 
 def influence_text(runs: SweepRuns, quantities: Sequence[Quantity], variations: Sequence[Variation]) -> str:
-    """Return words with the number of runs and, for each quantity, on its fit (``effects_on``), if any.
+    """Return words with the number of runs, on dashed lines, and on the fit of each quantity.
 
     The words have the effects of the parameters without a panel; a quantity that the fit does not describe
     well (TRENDING) has only the part of its variance.
     """
     parts = [f"{len(runs)} runs"]
+    if any(own_value(runs, variation) is not None for variation in drawn_parameters(runs, variations)):
+        parts.append("dashed: value in the scene")
     for quantity in quantities:
         effects = effects_on(runs, quantity, variations)
         if effects is None:
@@ -217,7 +217,8 @@ def _scatter(
         axes.set_xlim(-0.5, len(names) - 0.5)
     else:
         axes.set_xscale("log" if is_logarithmic(variation) else "linear")
-    axes.plot(parameter_values, shown_values, ".", color=BLUE, markersize=4.0, rasterized=True)
+    size = SMALL_DOT if len(runs) > MANY_SAMPLES else 4.0
+    axes.plot(parameter_values, shown_values, ".", color=BLUE, markersize=size, rasterized=True)
     mark_at_foot(axes, np.asarray(parameter_values)[quantity.is_without_touch(runs)], RING)
     axes.set_xlabel(label_of(runs, variation) + (SPREAD_NOTE if variation.choices else ""))
     finite_values = shown_values[np.isfinite(shown_values)]

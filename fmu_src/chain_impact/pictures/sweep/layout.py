@@ -23,8 +23,9 @@ from chain_impact.study_data.sweep.design import Design
 from chain_impact.study_data.sweep.variation import Variation
 
 # [inch] CHOICES_WIDTH: the width for the names of a parameter's choices, left of panels with dots;
-# DOTS_WIDTH: the least width of a panel with dots
-CHOICES_WIDTH, DOTS_WIDTH = 0.9, 2.0
+# DOTS_WIDTH: the least width of a panel with dots; USUAL_DOTS: the usual one
+CHOICES_WIDTH, DOTS_WIDTH = 1.2, 1.0
+USUAL_DOTS = 2.0
 # two varied numbers are drawn as curves, not as a map, if at least one of the numbers has at most MOST_SPLIT
 # values
 MOST_SPLIT = 3
@@ -117,8 +118,8 @@ def panels_in_row(design: Design, count: int, width: float) -> int:
       is in a row if otherwise the last row would have a single map.
     - Other maps: 3 of 3, at most 2 of another count; but 1 in a figure narrower than TWO_COLUMN_WIDTH with
       names of choices at an axis, or narrower than THREE_SMALL with at most 3 maps.
-    - Other panels in a figure narrower than TWO_COLUMN_WIDTH: 1.
     - Panels with dots: as few as the least number of rows allows.
+    - Other panels in a figure narrower than TWO_COLUMN_WIDTH: 1.
     - Other panels: 3 of 3, at most 2 of another count.
     """
     kind, variations = picture_form(design), varying_in(design)
@@ -131,11 +132,11 @@ def panels_in_row(design: Design, count: int, width: float) -> int:
         width < TWO_COLUMN_WIDTH if has_names else width < THREE_SMALL and count <= MOST_IN_ROW
     ):
         return 1
-    if kind != MAPS and width < TWO_COLUMN_WIDTH:
-        return 1
     if kind == DOTS:
         most_panels = max(1, int((width - CHOICES_WIDTH) / DOTS_WIDTH))
         return math.ceil(count / math.ceil(count / most_panels))
+    if kind != MAPS and width < TWO_COLUMN_WIDTH:
+        return 1
     return count if count == MOST_IN_ROW else min(count, 2)
 
 
@@ -146,11 +147,11 @@ def usual_size(design: Design, quantities: int, width: float | None = None) -> t
     default height of a figure with this width.
     """
     count, kind, variations = quantities * panels_of_each(design), picture_form(design), varying_in(design)
-    dots = width or CHOICES_WIDTH + DOTS_WIDTH * min(count, 4) + 0.5
+    dots = width or CHOICES_WIDTH + USUAL_DOTS * min(count, 4) + 0.5
     usual_width = dots if kind == DOTS else ONE_PANEL_WIDTH if count == 1 else 10.8 if kind == MAPS else 10.0
     rows = math.ceil(count / panels_in_row(design, count, width := width or usual_width))
     if kind == DOTS:
-        return usual_width, 0.7 + rows * (0.6 + 0.22 * len(variations[0].values))
+        return usual_width, 0.7 + rows * (0.5 + 0.2 * len(variations[0].values))
     if kind == MAPS:
         map_height = max(
             LOWEST_MAP, MAP_SHAPE * (width - NUMBERS_WIDTH) / panels_in_row(design, count, width)

@@ -59,8 +59,9 @@ def headline_parts(
     for quantity in quantities[:1] if is_small else quantities:
         values = quantity.values_or_nan(runs)
         if np.isfinite(values).any():
-            span = quantity.range_text(values[np.isfinite(values)])
-            parts += [span, effect_text(runs, quantity) if " to " in span else ""]
+            parts.append(result_text(quantity, values[np.isfinite(values)], effect_text(runs, quantity)))
+    if len(varying_in(runs.design)) == 1 and len(runs) > 1 and not shown_quantities.has_changes(runs):
+        parts = [f"{plain_name(varying_in(runs.design)[0].name)} changes none of the results"]
     parts += [idle_text(runs, quantities[0]), no_impact_text(runs, quantities[0])]
     failed = int(runs.failed.sum())
     if failed:
@@ -70,13 +71,26 @@ def headline_parts(
     return [f"{runs.scene.name}: {first_part}", *other_parts]
 
 
+def result_text(quantity: Quantity, values: np.ndarray, effect: str) -> str:
+    """Return a sentence on a result: "peak force of 1.2 to 3.4 kN rises with stiffness", "peak force is 2 N".
+
+    ``values``: its known values; ``effect``: the result of ``effect_text``.
+    """
+    subject = quantity.plain_subject
+    range_text = quantity.range_text(values).removeprefix(f"{quantity.name} ")
+    if not effect or " to " not in range_text:
+        return f"{subject} is {range_text}"
+    verb = "" if effect.split(" ", 1)[0] in {"rises", "falls", "depends"} else "is "
+    return f"{subject} of {range_text} {verb}{effect}"
+
+
 def effect_text(runs: SweepRuns, quantity: Quantity) -> str:
     """Return words for what a result depends on, such as "rises mostly with stiffness"."""
     variations, values = varying_in(runs.design), quantity.values_or_nan(runs)
     is_known = np.isfinite(values)
     if not is_known.any() or not np.ptp(values[is_known]):
         return ""
-    if len(variations) == 1 and runs.design.samples is None:
+    if len(variations) == 1 and (runs.design.samples is None or not variations[0].choices):
         (only_variation,) = variations
         if picture_form(runs.design) != DOTS:
             return course_text(runs[only_variation.name], values, plain_name(only_variation.name))

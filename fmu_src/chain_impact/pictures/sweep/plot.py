@@ -10,6 +10,7 @@ import math
 import os
 from collections.abc import Callable, Sequence
 from functools import cache, partial
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,16 +18,27 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from chain_impact.pictures.drawing.figures import draw_figure, settle
+from chain_impact.pictures.drawing.headings import name_above
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.sizes import Size, figure_size
 from chain_impact.pictures.drawing.style import (
     COUNT_STEPS,
+    INK,
+    PALE_GREY,
     drawing_style,
+    give_ticks,
     is_narrow,
     raise_exponents,
     write_headline,
 )
-from chain_impact.pictures.sweep.curves import FOOT, LINE_COLOURS, distinct_texts, draw_curves, gaps_text
+from chain_impact.pictures.sweep.curves import (
+    FOOT,
+    LINE_COLOURS,
+    count_ends,
+    distinct_texts,
+    draw_curves,
+    gaps_text,
+)
 from chain_impact.pictures.sweep.histograms import draw_samples, drawn_parameters, influence_text
 from chain_impact.pictures.sweep.layout import (
     CURVES,
@@ -70,6 +82,13 @@ from chain_impact.text import count_text
 
 MOST_MAPS = 9  # the largest number of maps if three parameters vary
 SAME_ENDS = 1e-6  # the largest difference of the ends of equal axes, relative to the ends
+OWN_RING: dict[str, Any] = {
+    "markersize": 8.0,
+    "markerfacecolor": "none",
+    "markeredgecolor": INK,
+    "clip_on": False,
+}
+"""The ring around the dot of the scene's own choice, with matplotlib's names."""
 MOST_DRAWN = 2**18  # largest number of runs that a picture can show
 
 
@@ -165,7 +184,7 @@ def draw_sweep(
         draw_maps(figure, panels, runs, quantities, (first_variation, *other_variations))
     if kind != MAPS:  # maps share their names
         name_once(figure)
-        figure.align_ylabels()
+        figure.align_labels()
     settle(figure)
     place_names(figure)
 
@@ -234,6 +253,7 @@ def conditions(runs: SweepRuns, variations: list[Variation]) -> str:
     parts, marked_variations = [], marked_parameters(runs, variations)
     is_sampled = picture_form(runs.design) == HISTOGRAMS
     mark = " (+)" if picture_form(runs.design) == MAPS else " (dashed)"
+    ring = " (ring)" if picture_form(runs.design) == DOTS else ""
     for variation in variations:
         ends_text = " to ".join(
             distinct_texts([*dict.fromkeys((variation.values.min(), variation.values.max()))])
@@ -255,7 +275,7 @@ def conditions(runs: SweepRuns, variations: list[Variation]) -> str:
         choice = str(runs.scene.values.get(variation.name, ""))
         if variation.choices:
             scene_text = (
-                f", {choice} in the scene" if choice in variation.shown_values(variation.values) else ""
+                f", {choice} in the scene{ring}" if choice in variation.shown_values(variation.values) else ""
             )
         scene_text += ", no panel" if is_sampled and variation not in marked_variations else ""
         if is_sampled and variation in marked_variations:
@@ -285,25 +305,42 @@ def _draw_dots(panels: list[Axes], runs: SweepRuns, quantities: list[Quantity], 
     """Draw each quantity in a panel with a row for each run, and a dot for each value.
 
     A row without a value has a word in place of the dot: "failed", NO_IMPACT if nothing touches, "impulse"
-    for a load at a rigid wall, else "unknown". ``choice``: the only varied parameter, which names the rows.
+    for a load at a rigid wall, else "unknown". The dot of the scene's own choice has a ring. ``choice``: the
+    only varied parameter, which names the rows.
     """
     names = choice.shown_values(choice.values).tolist()
-    rows = np.arange(len(runs))
+    rows, is_own = np.arange(len(runs)), np.array(names) == str(runs.scene.values.get(choice.name, ""))
     for axes, quantity in zip(panels, quantities, strict=True):
         shown_values, is_missed = quantity.values_or_nan(runs), quantity.is_without_touch(runs)
         finite_values = shown_values[np.isfinite(shown_values)]
-        axes.grid(axis="y", color="0.92")
-        axes.plot(shown_values, rows, "o", color=LINE_COLOURS[0], markersize=4.0)
+        # a row with a word has no line, which would lie on the word
+        is_finite = np.isfinite(shown_values)
+        axes.hlines(
+            rows[is_finite],
+            0.0,
+            1.0,
+            PALE_GREY,
+            linewidth=0.6,
+            zorder=0,
+            transform=axes.get_yaxis_transform(),
+        )
+        axes.plot(shown_values, rows, "o", color=LINE_COLOURS[0], markersize=4.0, clip_on=False)
         missing_word = "impulse" if quantity.column in LOADS else "unknown"
         for row in rows[~np.isfinite(shown_values)]:
             word = "failed" if runs.failed[row] else NO_IMPACT if is_missed[row] else missing_word
             axes.text(
                 FOOT, row, word, transform=axes.get_yaxis_transform(), va="center", color="0.4", size="small"
             )
-        axes.set_xlabel(quantity.label_for(finite_values))
-        if ends := quantity.ends_for(finite_values):
+        name_above(axes, quantity.label_for(finite_values))
+        if quantity.is_count and finite_values.size:
+            axes.set_xlim(*count_ends(finite_values))
+        elif ends := quantity.ends_for(finite_values):
             axes.set_xlim(*ends)
         if quantity.is_count:
             axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1, steps=COUNT_STEPS))
-    panels[0].set_yticks(rows, names)
+        give_ticks(axes)
+        axes.tick_params(axis="y", length=0)
+        if is_own.any():
+            axes.plot(shown_values[is_own], rows[is_own], "o", **OWN_RING)
+    panels[0].set_yticks(rows, names, fontsize="small")
     panels[0].set_ylim(len(rows) - 0.5, -0.5)

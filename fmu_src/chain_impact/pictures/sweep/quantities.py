@@ -60,6 +60,11 @@ class Quantity:
         """Whether the quantity is the number of impacts, so that its values are whole numbers."""
         return self.column == COUNT
 
+    @property
+    def plain_subject(self) -> str:
+        """The words for the quantity as the subject of a sentence."""
+        return "number of impacts" if self.is_count else self.name
+
     def label_for(self, values: np.ndarray) -> str:
         """Return the label, with ``small_range_text`` at the end."""
         return ", ".join(filter(None, (self.label, self.small_range_text(values))))
@@ -163,6 +168,10 @@ class ShownQuantities:
 
     all_quantities: list[Quantity]
     drawn_quantities: list[Quantity]
+
+    def has_changes(self, runs: SweepRuns) -> bool:
+        """Return whether a quantity in ``drawn_quantities`` differs between runs, or is always unknown."""
+        return any(_is_changing(quantity.values_or_nan(runs)) for quantity in self.drawn_quantities)
 
     @property
     def same(self) -> list[Quantity]:
