@@ -10,7 +10,6 @@ import pytest
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from chain_impact import CONTACT_LAWS, compare, load_scene
 from chain_impact.pictures.compare.grey_loops import draw_grey_loops
@@ -18,13 +17,13 @@ from chain_impact.pictures.compare.headline import headline
 from chain_impact.pictures.compare.looks import COLOURED_LAWS, brief_names, looks_of, named_laws
 from chain_impact.pictures.compare.plot import (
     SIZE,
+    band_label,
     conditions,
     draw_comparison,
-    legend_handles,
+    laws_in_band,
     plot_comparison,
     shown_span,
 )
-from chain_impact.pictures.drawing.distinct_curves import draw_band
 from chain_impact.pictures.drawing.law_looks import LAW_LOOKS
 from chain_impact.pictures.drawing.style import GREY, INK
 from chain_impact.pictures.over_time.energies import energy_curves
@@ -204,18 +203,28 @@ def test_a_law_of_impulses_has_a_line_and_a_name_at_each_width(comparison, width
     assert line.get_label() in {text.get_text() for text in legend.get_texts()}
 
 
-def test_a_key_is_a_line_where_loops_have_no_area():
-    figure = Figure()
-    loops, energy = figure.subplots(1, 2)
-    law = np.array([[0.0, 1.0, 0.5, 0.8, 0.0], [0.0, 2.0, 1.0, 1.5, 0.0]])  # grows again
-    for curves, kind in (([law], Line2D), ([law[:, [0, 1, 4]]], PolyCollection)):
-        energy.clear()
-        loops.clear()
-        draw_grey_loops(loops, curves)
-        draw_band(energy, law[0], [law[1]], "3 others")
-        (key,) = legend_handles({}, energy, loops)
-        assert isinstance(key, kind)
-        assert key.get_label() == "3 others"
+def test_grey_loops_have_an_area_also_where_the_penetration_grows_again():
+    loops = Figure().subplots()
+    law = np.array([[0.0, 1.0, 0.5, 0.8, 0.0], [0.0, 2.0, 1.0, 1.5, 0.0]])
+    draw_grey_loops(loops, [law])
+    (area,) = loops.collections
+    assert isinstance(area, PolyCollection)
+    edges = area.get_paths()[0].vertices
+    for depth, least, largest in ((0.25, 0.46875, 0.5), (0.9, 1.8, 1.8), (0.65, 1.21875, 1.3)):
+        heights = [y for x, y in edges if abs(x - depth) < 0.002]
+        assert min(heights) == pytest.approx(least, abs=0.01)
+        assert max(heights) == pytest.approx(largest, abs=0.01)
+
+
+def test_a_band_without_restitutions_names_the_extreme_forces():
+    found = compare("hopper")
+    looks = looks_of(found)
+    band = laws_in_band(found, looks)
+    forces = {law: found[law].peak_force for law in band}
+    ends = [min(forces, key=forces.get), max(forces, key=forces.get)]
+    label = band_label(found, band)
+    assert [label.index(law) for law in ends] == sorted(label.index(law) for law in ends)
+    assert label.count("N)") == 2
 
 
 def test_a_free_impact_is_not_called_otherwise(comparison):

@@ -27,6 +27,7 @@ from chain_impact.pictures.drawing.style import (
     GREY,
     INK,
     drawing_style,
+    force_text,
     give_ticks,
     is_narrow,
     raise_exponents,
@@ -195,7 +196,7 @@ def laws_in_band(comparison: LawRuns[LawRecording], looks: Looks) -> list[str]:
 def band_label(comparison: LawRuns[LawRecording], band: Sequence[str], *, is_small: bool = False) -> str:
     """Return the label of the grey band: the number of its laws, and the laws with the extreme e′.
 
-    If the e′ do not describe the contact alone (``has_restitution``), the label has only the number.
+    If the e′ do not describe the contact alone (``has_restitution``), peak forces replace them.
 
     ``is_small``: whether the label is for a narrow figure, and must be short.
     """
@@ -205,7 +206,8 @@ def band_label(comparison: LawRuns[LawRecording], band: Sequence[str], *, is_sma
         for run in comparison.runs
     )
     if not comparison.has_restitution:
-        return count_text(count, "other law")
+        count_words = f"{count} others" if is_small else count_text(count, "other law")
+        return f"{count_words}{peaks_of_band(comparison, band)}"
     laws = [law for law in band if math.isfinite(comparison[law].restitution)] or list(band)
     order = sorted(laws, key=lambda law: comparison[law].restitution)
     prefix = "" if is_small else "e′ = "
@@ -217,6 +219,17 @@ def band_label(comparison: LawRuns[LawRecording], band: Sequence[str], *, is_sma
         if is_small
         else f"{count_text(count, 'other law')}: {extremes_text}"
     )
+
+
+def peaks_of_band(comparison: LawRuns[LawRecording], band: Sequence[str]) -> str:
+    """Return the laws of a band with the least and the largest peak force as text; "" without forces."""
+    forces = {law: force for law in band if (force := comparison[law].peak_force) > 0.0}
+    if not forces:
+        return ""
+    unit = unit_at("peak_force", stop=comparison.is_at_stop)
+    extremes = (choose(forces, key=lambda law: forces[law]) for choose in (min, max))
+    end_texts = (f"{law} ({force_text(forces[law], unit)})" for law in extremes)
+    return f": {' to '.join(dict.fromkeys(end_texts))}"
 
 
 def draw_energy(axes: Axes, comparison: LawRuns[LawRecording], looks: Looks) -> None:
