@@ -181,6 +181,7 @@ def draw_bar_figure(
     if not blocks:
         axes = figure.subplots()
         axes.set(xticks=[], yticks=[])
+        axes.spines[:].set_visible(False)
         axes.text(0.5, 0.5, "no effect", transform=axes.transAxes, ha="center", color=INK)
         return
     heights = [len(block.names) for block in blocks]
@@ -221,8 +222,9 @@ def draw_bars(
     """
     rows = range(len(block.names))
     colours = block.colours or [INCREASE if value > 0.0 else DECREASE for value in block.values]
-    axes.hlines(rows, 0.0, 1.0, PALE_GREY, linewidth=0.6, zorder=0, transform=axes.get_yaxis_transform())
     if block.dots:
+        whole_width: dict[str, Any] = {"zorder": 0, "transform": axes.get_yaxis_transform()}
+        axes.hlines(rows, 0.0, 1.0, PALE_GREY, linewidth=0.6, **whole_width)
         axes.scatter(block.values, rows, s=DOT, color=colours, zorder=3.0, clip_on=False)
     else:
         fills: list[Any] = [
@@ -262,7 +264,21 @@ def draw_bars(
     low, high = ends
     margin = BAR_MARGIN * (high - low)
     axes.set_xlim(low - margin * (low < 0.0), high + margin * (high > 0.0))
+    if not block.dots:
+        _draw_row_lines(axes, block.values)
     return title
+
+
+def _draw_row_lines(axes: Axes, values: Sequence[float]) -> None:
+    """Draw a thin line in each row, but not behind its bar, through which the line could be seen.
+
+    ``values``: the length of each bar; the axes must have their ends.
+    """
+    left, right = axes.get_xlim()
+    for row, value in enumerate(values):
+        bar = sorted((0.0, value if math.isfinite(value) else 0.0))
+        parts = [(left, bar[0]), (bar[1], right)]
+        axes.hlines([row, row], *zip(*parts, strict=True), PALE_GREY, linewidth=0.6, zorder=0)
 
 
 def _raise_titles(grid: Iterable[Axes], titles: Iterable[Text]) -> None:

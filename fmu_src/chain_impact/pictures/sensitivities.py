@@ -191,7 +191,8 @@ def looks_of(
     with the value 0 come after all others, because changes by their steps cannot be compared with changes by
     1 %. They have dashed curves and labels with the step. Those without a colour have no curve; all other
     curves without a colour are grey. Of the grey curves, only the last has a label, which stands for all grey
-    curves: their names or, if they are more than MOST_GREY or ``is_brief``, their number.
+    curves: their names or, if they are more than MOST_GREY or ``is_brief``, their number and the name of the
+    one with the largest changes.
     ``relative_changes`` is the largest of the ``shares`` of all drawn outputs, shape (T, P). ``factors``:
     name of a parameter → the factor of its curves, which the label has; 1 for all others.
     """
@@ -207,6 +208,8 @@ def looks_of(
         return f"{name} + {sensitivities.step_text(name)}{factor_text}"
 
     other_text = count_text(len(grey), "other parameter")
+    if len(grey) > 1:
+        other_text += f", most by {names[max(grey, key=lambda k: sizes[k])]}"
     if len(grey) <= MOST_GREY and not is_brief:
         other_text = ", ".join(names[k] for k in grey)
     colours, looks = iter(PALETTE), []

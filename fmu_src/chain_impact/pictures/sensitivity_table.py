@@ -60,6 +60,7 @@ CELL_WIDTH, ROW_NAMES_WIDTH = 0.38, 1.7
 WORD_DISTANCE = 3.5 / 72.0
 FIRST_EDGE = -0.5  # the left edge of the cells; the cell of the first impact has its middle at 0
 MOST_NAMES = 0.7  # the largest width of the names of rows, relative to that of the table's axes
+TABLE_PART = 0.45  # the width of the table in a wide figure, relative to that of the figure
 MOST_TABLE_ROWS = 8  # the largest number of rows of the table
 # LONGEST_ROW_NAME: the largest number of characters of a name with its step in one line; if a name is longer,
 # the steps stand in second lines, and these rows have the height TWO_LINES, relative to a row of one line
@@ -170,8 +171,9 @@ def draw_impact_changes(
     if left_out := len(looks) - len(rows):
         title += f"; {count_text(left_out, 'parameter')} without a row"
     text = axes.set_title(title, fontsize="medium", loc="left")
-    if is_narrow(figure):
-        break_lines(text, (figure.get_figwidth() - 2.0 * LEFT_MARGIN) * figure.dpi, "; ")
+    # beside a panel, the table takes half of the figure at most
+    room = figure.get_figwidth() if is_narrow(figure) else TABLE_PART * figure.get_figwidth()
+    break_lines(text, (room - 2.0 * LEFT_MARGIN) * figure.dpi, "; ")
     start_left(axes, text)
     return max(blocks[-1].end * CELL_HEIGHT, 0.0 if has_texts else SCALE_HEIGHT)
 
