@@ -16,7 +16,7 @@ import numpy as np
 from matplotlib.ticker import LogLocator
 
 from benchmarks import common
-from benchmarks.looks import OURS, WIDTH
+from benchmarks.looks import HALO, OURS, WIDTH
 from benchmarks.peers.ours import Kernel
 from benchmarks.problems import DEFAULT, PROBLEMS, STEEL
 from benchmarks.race import judge
@@ -191,7 +191,7 @@ def draw_stiffness(axes: Any, strip: Any, rows: list[dict[str, Any]]) -> None:
         name = " … ".join(numbers[:: len(numbers) - 1]) if len(numbers) > 2 else ", ".join(numbers)
         middle = math.exp(np.mean([math.log(heights[stiffness]) for stiffness in group]))
         name = f"K = {name}" if group is groups[0] else name
-        strip.text(MARKS[1] + 0.08, middle, name, va="center", fontsize="small", color=INK)
+        strip.text(MARKS[1] + 0.08, middle, name, va="center", fontsize="small", color=INK, path_effects=HALO)
     mine = [row for row in rows if (row["choice"], row["stiffness"]) == (GRID, STEEL)]
     look = {"color": OURS, "marker": "o", "markersize": 4, "linewidth": 2.0, "zorder": 4}
     label = f"zhang_sharf, K = {number_text(STEEL)} N/m$^{{1.5}}$ (steel), with its tolerances"
@@ -216,6 +216,7 @@ def draw_laws(axes: Any, rows: list[dict[str, Any]]) -> None:
 def name_point(axes: Any, text: str, row: dict[str, Any], colour: str) -> None:
     """Write a name beside the point of a row."""
     look = {"color": colour, "fontsize": "small", "xytext": (6, 1), "textcoords": "offset points"}
+    look["path_effects"] = HALO
     axes.annotate(text, (1e3 * row["seconds"], row["tip"]), **look)
 
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Container, Iterable, Iterator, Sequence
-from itertools import pairwise, product
+from itertools import cycle, pairwise, product
 from typing import Any
 
 import numpy as np
 from matplotlib.colors import to_rgb
+from matplotlib.patheffects import withStroke
 from matplotlib.transforms import Bbox
 
 from chain_impact.pictures.drawing import style
@@ -22,6 +23,8 @@ WIDTH = 190.0 / 25.4  # [inch] of a chart: that of a printed page, so that its t
 # OVERLAP: the least distance from a curve, which has markers [points]
 OFFSETS, CLEAR, SAMPLES, DARKENED, OVERLAP = (4.5, 8.0, 12.0, 16.0), 0.2, 30, 0.8, 3.0
 SIDES = ((0, 1), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1), (1, 0), (-1, 0))
+HALO = [withStroke(linewidth=3.0, foreground="white")]
+"""The ground around the letters of a name, which interrupts the lines of the grid behind it."""
 Place = tuple[Any, np.ndarray, np.ndarray, Bbox]
 """The place of a name: its axes, a point of its curve [pixels], shift [points] and rectangle [pixels]."""
 LOOKS = {
@@ -63,7 +66,7 @@ def name_curves(figure: Any, panels: Sequence[Any]) -> None:
     places = free_places(panels, wanted)
     figure.set_layout_engine("none")
     look: dict[str, Any] = {"xycoords": "figure pixels", "textcoords": "offset points"}
-    look |= {"ha": "center", "va": "center", "fontsize": "small", "in_layout": False}
+    look |= {"ha": "center", "va": "center", "fontsize": "small", "in_layout": False, "path_effects": HALO}
     for label, (axes, point, shift, _) in places.items():
         colour = tuple(DARKENED * np.array(to_rgb(lines[label].get_color())))
         axes.annotate(label, point, shift, color=colour, **look)
@@ -82,11 +85,12 @@ def add_keys(figure: Any, lines: Sequence[Any]) -> None:
 def free_places(panels: Sequence[Any], wanted: Container[str]) -> dict[str, Place]:
     """Return a place beside its curve for the name of each curve that has a free one.
 
-    A free place overlaps no text and no curve, and is nearer to its own curve than to others, by CLEAR or as
+    A free place overlaps no text, bar or curve, and is nearer to its own curve than to others, by CLEAR or as
     much as possible at the least of the OFFSETS with a free place. Of equal places the first one is taken.
     """
     panel_curves = [[(line, samples(line)) for line in axes.lines] for axes in panels]
     taken = [text.get_window_extent() for axes in panels for text in axes.texts]
+    taken += [bar for axes in panels for collection in axes.collections for bar in extents(collection)]
     panel_counts = Counter(line.get_label() for curves in panel_curves for line, _ in curves)
     found: dict[str, Place] = {}
     for label in sorted(panel_counts, key=lambda name: (panel_counts[name], -len(name))):
@@ -104,6 +108,14 @@ def free_places(panels: Sequence[Any], wanted: Container[str]) -> dict[str, Plac
                 taken.append(place[3])
                 break
     return found
+
+
+def extents(collection: Any) -> list[Bbox]:
+    """Return the rectangle of each line of a collection, such as bars of ranges [pixels]."""
+    transform, half = collection.get_transform(), 0.5 * collection.axes.figure.dpi / 72.0
+    widths = cycle(half * width for width in collection.get_linewidths())
+    boxes = (transform.transform_path(path).get_extents() for path in collection.get_paths())
+    return [box.padded(width) for box, width in zip(boxes, widths, strict=False)]
 
 
 def samples(line: Any) -> np.ndarray:
