@@ -20,7 +20,7 @@ STYLE = style.STYLE | {"axes.grid": True, "axes.titlesize": "medium"}
 WIDTH = 190.0 / 25.4  # [inch] of a chart: that of a printed page, so that its text has the size of pictures
 # Names at curves: OFFSETS: distances from a point [points]; CLEAR: enough distance from other curves [inch];
 # SAMPLES of a piece of a curve; DARKENED: brightness of a name, in its colour; SIDES: right, above
-# OVERLAP: the least distance from a curve, which has markers [points]
+# OVERLAP: the least distance from a curve, which has markers, and from the edges of the panel [points]
 OFFSETS, CLEAR, SAMPLES, DARKENED, OVERLAP = (4.5, 8.0, 12.0, 16.0), 0.2, 30, 0.8, 3.0
 SIDES = ((0, 1), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1), (1, 0), (-1, 0))
 HALO = [withStroke(linewidth=3.0, foreground="white")]
@@ -155,5 +155,6 @@ def places_beside(axes: Any, line: Any, points: np.ndarray, offset: float) -> It
     for point, side in product(points[:: SAMPLES // 6], np.array(SIDES)):
         shift = side * (offset * pixel + 0.5 * size)
         box = Bbox([point + shift - 0.5 * size, point + shift + 0.5 * size])
-        if (box.min >= axes.bbox.min).all() and (box.max <= axes.bbox.max).all():
+        edge = OVERLAP * pixel
+        if (box.min >= axes.bbox.min + edge).all() and (box.max <= axes.bbox.max - edge).all():
             yield axes, point, shift / pixel, box

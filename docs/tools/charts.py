@@ -92,6 +92,7 @@ def look(names: list[str]) -> dict[str, object]:
 def draw(path: Path) -> None:
     """Draw the realised restitution on the left, and its error on the right."""
     near = total = 0
+    others: dict[str, float] = {}
     with mpl.rc_context(STYLE):
         page = Figure(figsize=(10.5, 4.4), dpi=DPI, layout="constrained")
         value, error = page.subplots(1, 2)
@@ -99,11 +100,13 @@ def draw(path: Path) -> None:
             names, e_out = [law.id for law in laws], curve(laws[0])
             reason = next((f" ({NAMED[name]})" for name in names if name in NAMED), None)
             label = {"label": ", ".join(names) + reason} if reason else {}
+            others |= {} if reason else dict.fromkeys(names, float(np.interp(FROM, SAMPLES, e_out)))
             value.plot(SAMPLES, e_out, **look(names), **label)
             error.plot(SAMPLES, e_out - SAMPLES, **look(names))
             total += len(names)
             near += len(names) * bool(np.abs(e_out - SAMPLES)[FROM <= SAMPLES].max() <= NEAR)
-        value.plot([], [], color=GREY, label="others")
+        ends = " to ".join(choose(others, key=lambda name: others[name]) for choose in (min, max))
+        value.plot([], [], color=GREY, label=f"{len(others)} others, from {ends}")
         value.set(
             xlabel="prescribed restitution e", ylabel="realised restitution", xlim=(0, 1), ylim=(0, 1.02)
         )
@@ -111,8 +114,8 @@ def draw(path: Path) -> None:
         error.set(ylim=(-0.15, 0.15))
         write_headline(
             page,
-            "Realised and prescribed restitution of all laws that are a force",
-            f"free impacts of 1 kg at 1 m/s  ·  within {NEAR} for e from {FROM} to 1: {near} of {total} laws",
+            f"{near} of {total} laws that are a force realise e within {NEAR} from e = {FROM} on",
+            "free impacts of 1 kg at 1 m/s",
         )
         legend_at_foot(page, value.get_legend_handles_labels()[0])
         page.savefig(path, dpi="figure")

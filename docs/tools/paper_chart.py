@@ -14,7 +14,8 @@ from matplotlib.figure import Figure
 
 from chain_impact import Chain, load_scene, simulate
 from chain_impact.pictures.drawing.law_looks import law_look
-from chain_impact.pictures.drawing.style import DPI, STYLE
+from chain_impact.pictures.drawing.legends import legend_at_head
+from chain_impact.pictures.drawing.style import DPI, STYLE, write_headline
 from docs.tools import DOCS
 
 PICTURE = DOCS / "images" / "paper.png"
@@ -40,8 +41,8 @@ def curves(law: str) -> dict[str, np.ndarray]:
     return {
         "time since the onset [ms]": 1e3 * time,
         "deformation [mm]": 1e3 * depth,
-        "its rate [m/s]": rate,
-        "its acceleration [km/s²]": -1e-3 * acceleration,
+        "rate of deformation [m/s]": rate,
+        "acceleration [km/s²]": -1e-3 * acceleration,
         "force [kN]": 1e-3 * force,
         "impulse [N·s]": impulse - impulse[0],
         "energy of the chain [J]": energy,
@@ -50,17 +51,28 @@ def curves(law: str) -> dict[str, np.ndarray]:
 
 def draw() -> Figure:
     """Return a figure with six panels over the time since the onset."""
-    figure = Figure((9.0, 4.6), layout="constrained")
+    figure = Figure((9.0, 5.0), layout="constrained")
     panels = figure.subplots(2, 3).ravel()
+    peaks = {}
     for law in LAWS:
         time, *others = curves(law).items()
+        peaks[law] = {title.partition(" [")[0]: float(values.max()) for title, values in others}
         for axes, (title, values) in zip(panels, others, strict=True):
             axes.plot(time[1], values, **law_look(law), linewidth=1.3, label=law)
             axes.set(ylabel=title)
     for axes in panels:
         axes.margins(x=0.0)
         axes.set(xlabel="time since the onset [ms]")
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=len(LAWS))
+    ends = {
+        name: " to ".join(f"{choose(peaks[law][name] for law in LAWS):.3g}" for choose in (min, max))
+        for name in ("force", "impulse")
+    }
+    write_headline(
+        figure,
+        f"{len(LAWS)} laws give peak forces of {ends['force']} kN and impulses of {ends['impulse']} N·s",
+        f"first impact of {SCENE}, on {WALL}",
+    )
+    legend_at_head(figure, panels[0].get_legend_handles_labels()[0])
     return figure
 
 
