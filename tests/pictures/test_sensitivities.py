@@ -155,14 +155,17 @@ def test_the_most_important_of_many_parameters_have_colours():
     np.testing.assert_allclose(1e-3 * ends, (np.nanmin(grey), np.nanmax(grey)))  # mm
     (legend,) = page.legends
     texts = [text.get_text() for text in legend.get_texts()]
-    assert f"{len(of_value) - LARGEST_EFFECTS} other parameters" in texts  # some of their changes are larger
+    largest_other = max((name for name in of_value if name not in told), key=lambda name: share[name])
+    assert f"{len(of_value) - LARGEST_EFFECTS} other parameters, most by {largest_other}" in texts
     table = page.axes[3]
     assert len(table.get_yticklabels()) == MOST_TABLE_ROWS
     left_out = len(found.parameters) - MOST_TABLE_ROWS
     assert table.get_title(loc="left").endswith(f"; {left_out} parameters without a row")
 
 
-@pytest.mark.parametrize(("names", "told"), [("abcdef", "e, f"), ("abcdefg", "3 other parameters")])
+@pytest.mark.parametrize(
+    ("names", "told"), [("abcdef", "e, f"), ("abcdefg", "3 other parameters, most by e")]
+)
 def test_the_legend_counts_the_other_parameters(names, told):
     found = SimpleNamespace(parameters=dict.fromkeys(names, 1.0), step_text=lambda _: "1 %")
     looks = looks_of(found, np.arange(len(names), 0.0, -1.0)[None], {}, is_brief=False)
