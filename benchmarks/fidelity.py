@@ -215,7 +215,12 @@ def draw_laws(axes: Any, rows: list[dict[str, Any]]) -> None:
 
 def name_point(axes: Any, text: str, row: dict[str, Any], colour: str) -> None:
     """Write a name beside the point of a row."""
-    look = {"color": colour, "fontsize": "small", "xytext": (6, 1), "textcoords": "offset points"}
+    look: dict[str, Any] = {
+        "color": colour,
+        "fontsize": "small",
+        "xytext": (6, 1),
+        "textcoords": "offset points",
+    }
     look["path_effects"] = HALO
     axes.annotate(text, (1e3 * row["seconds"], row["tip"]), **look)
 

@@ -277,8 +277,7 @@ def _draw_row_lines(axes: Axes, values: Sequence[float]) -> None:
     left, right = axes.get_xlim()
     for row, value in enumerate(values):
         bar = sorted((0.0, value if math.isfinite(value) else 0.0))
-        parts = [(left, bar[0]), (bar[1], right)]
-        axes.hlines([row, row], *zip(*parts, strict=True), PALE_GREY, linewidth=0.6, zorder=0)
+        axes.hlines([row, row], [left, bar[1]], [bar[0], right], PALE_GREY, linewidth=0.6, zorder=0)
 
 
 def _raise_titles(grid: Iterable[Axes], titles: Iterable[Text]) -> None:

@@ -206,8 +206,8 @@ def band_label(comparison: LawRuns[LawRecording], band: Sequence[str], *, is_sma
         for run in comparison.runs
     )
     if not comparison.has_restitution:
-        count_words = f"{count} others" if is_small else count_text(count, "other law")
-        return f"{count_words}{peaks_of_band(comparison, band)}"
+        others_text = f"{count} others" if is_small else count_text(count, "other law")
+        return f"{others_text}{peaks_of_band(comparison, band)}"
     laws = [law for law in band if math.isfinite(comparison[law].restitution)] or list(band)
     order = sorted(laws, key=lambda law: comparison[law].restitution)
     prefix = "" if is_small else "e′ = "

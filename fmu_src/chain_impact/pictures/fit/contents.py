@@ -34,7 +34,7 @@ class FittedSeries:
     @property
     def ratios(self) -> np.ndarray:
         """The residuals, each divided by its standard deviation, shape (K,)."""
-        return self.residuals / self.sigma
+        return np.asarray(self.residuals / self.sigma)
 
 
 @dataclass(frozen=True)

@@ -47,8 +47,8 @@ def draw_fit(figure: Figure, contents: FitContents) -> None:
         notes.append(f"{len(shown_columns)} of {len(contents.columns)} columns")
     if (rest := len(contents.parameters) - MOST_ROWS_OF_ESTIMATES) > 0:
         notes.append(count_text(rest, "more parameter"))
-    marks = "bars and bands" if any(column.is_of_impacts for column in shown_columns) else "bands"
-    notes += ["±: standard error", f"{marks}: ± {USUAL_RESIDUAL:g} σ"]
+    marks_text = "bars and bands" if any(column.is_of_impacts for column in shown_columns) else "bands"
+    notes += ["±: standard error", f"{marks_text}: ± {USUAL_RESIDUAL:g} σ"]
     if any(len(part.onsets) for column in shown_columns for part in column.series):
         notes.append("grey lines: impacts")
     lines = [(contents.warning, PEAK_COLOUR)] * bool(contents.warning)

@@ -95,7 +95,7 @@ def has_marks(curve: np.ndarray, is_joined: np.ndarray, place: int, line_count: 
     count = curve.shape[1]
     is_alone = ~(np.append(is_joined, False) | np.append(False, is_joined))
     if line_count == 1:
-        return is_alone
+        return np.asarray(is_alone)
     step = max(1, round(count / (MARKS_OF_LINE * line_count))) * line_count
     return np.asarray(is_alone | (np.arange(count) % step == place * step // line_count))
 

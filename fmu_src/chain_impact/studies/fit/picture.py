@@ -68,10 +68,12 @@ def ranking_contents(fit: Estimates) -> dict[str, Any]:
         notes = estimate_ranges(fit, tied)
     else:
         notes = [estimate_text(fit, label) for label in fit.values]
-    open_ended = ", ".join(entry.law for entry in fit.ranking if entry.fit and not entry.fit.converged)
-    notes += [f"did not converge: {open_ended}"] if open_ended else []
+    unfinished_text = ", ".join(entry.law for entry in fit.ranking if entry.fit and not entry.fit.converged)
+    notes += [f"did not converge: {unfinished_text}"] if unfinished_text else []
     other_count = count_of_best(fit) - 1
-    laws = f"{fit.law} and {count_text(other_count, 'other law')} fit equally well" if other_count else ""
+    laws_text = (
+        f"{fit.law} and {count_text(other_count, 'other law')} fit equally well" if other_count else ""
+    )
     ranked_laws = [
         RankedLaw(
             entry.law,
@@ -80,18 +82,20 @@ def ranking_contents(fit: Estimates) -> dict[str, Any]:
         )
         for entry in fit.ranking
     ]
-    return {"title": heading(fit, ": ", laws), "notes": notes, "laws": ranked_laws}
+    return {"title": heading(fit, ": ", laws_text), "notes": notes, "laws": ranked_laws}
 
 
 def fit_contents(fit: Estimates) -> FitContents:
     """Return the contents of the picture; the model is simulated with the fitted values."""
     results = [_model(fit, k) for k in range(len(fit.data))]
-    poor = ", ".join(alike_neighbours(fit))
-    warning = f"errors are too small: neighbouring residuals of {poor} are correlated" if poor else ""
+    poor_text = ", ".join(alike_neighbours(fit))
+    warning = (
+        f"errors are too small: neighbouring residuals of {poor_text} are correlated" if poor_text else ""
+    )
     notes = [strongest_correlation(fit)]
     if not fit.estimated:  # with an estimated σ, both are about 1 for any model
-        quality = f"reduced χ² {number_text(fit.reduced_chi_squared, 3)}"
-        notes = [f"rms residual {number_text(misfit(fit, fit), 3)} σ", quality, *notes]
+        quality_text = f"reduced χ² {number_text(fit.reduced_chi_squared, 3)}"
+        notes = [f"rms residual {number_text(misfit(fit, fit), 3)} σ", quality_text, *notes]
     notes.append(f"Δ = model − data{f', σ {origin}' if (origin := _origin(fit)) else ''}")
     notes.append(heading(fit, ": ").partition(": ")[2].rpartition(", ")[0])
     return FitContents(
@@ -176,8 +180,8 @@ def _series(fit: Estimates, name: str, k: int, rows: np.ndarray, result: Result)
     else:
         positions = data.times[data.row[own_rows]]
         last = positions.max()
-        shown_rows = result.time <= last
-        course = np.array([result.time[shown_rows], result[name][shown_rows]])
+        is_shown = result.time <= last
+        course = np.array([result.time[is_shown], result[name][is_shown]])
         onsets = result.impacts["onset"]
         onsets = onsets[onsets <= last]
     return FittedSeries(
