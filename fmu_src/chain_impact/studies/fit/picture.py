@@ -24,7 +24,6 @@ from chain_impact.pictures.fit.fit_figure import draw_fit, fit_size
 from chain_impact.pictures.fit.law_ranking import draw_law_ranking
 from chain_impact.results.result import Result
 from chain_impact.scene.texts.plain_names import plain_name
-from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.fit.estimate_texts import (
     estimate_ranges,
     estimate_text,
@@ -33,6 +32,7 @@ from chain_impact.studies.fit.estimate_texts import (
 )
 from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.studies.fit.measurements import MEASURED_OF_IMPACT, Measurements
+from chain_impact.studies.fit.model_run import model_run
 from chain_impact.studies.fit.parameters import Parameter
 from chain_impact.studies.fit.remarks import alike_neighbours
 from chain_impact.studies.fit.report import (
@@ -46,8 +46,6 @@ from chain_impact.studies.fit.report import (
     sigma_text,
 )
 from chain_impact.text import count_text, number_text
-
-CURVE_POINTS = 1500  # number of equal intervals of time between the points of the model's curve
 
 
 def plot_fit(
@@ -87,7 +85,7 @@ def ranking_contents(fit: Estimates) -> dict[str, Any]:
 
 def fit_contents(fit: Estimates) -> FitContents:
     """Return the contents of the picture; the model is simulated with the fitted values."""
-    results = [_model(fit, k) for k in range(len(fit.data))]
+    results = [model_run(fit, k) for k in range(len(fit.data))]
     poor_text = ", ".join(alike_neighbours(fit))
     warning = (
         f"errors are too small: neighbouring residuals of {poor_text} are correlated" if poor_text else ""
@@ -139,19 +137,6 @@ def _fitted_parameter(fit: Estimates, parameter: Parameter) -> FittedParameter:
 def _origin(fit: Estimates) -> str:
     """Return "given" or "estimated", if this is the origin of the σ of all columns; else ""."""
     return {0: "given", len(fit.columns): "estimated"}.get(len(fit.estimated), "")
-
-
-def _model(fit: Estimates, k: int) -> Result:
-    """Return the run of data set ``k`` with the fitted values, in CURVE_POINTS + 1 rows of equal distance."""
-    data, scene = fit.data[k], fit.scenes[k]
-    stop = max(1e-9, data.end(scene.simulation.stop_time))
-    inputs = dict(data.inputs) | {
-        parameter.name: fit.values[parameter.label]
-        for parameter in fit.parameters
-        if parameter.name not in scene.values and parameter.data_set in (None, k)
-    }
-    rows: dict[str, Any] = {"stop_time": stop, "output_step": stop / CURVE_POINTS, "output": data.outputs}
-    return simulate(scene, inputs=inputs, interpolation=fit.interpolation, **rows)
 
 
 def _column(fit: Estimates, name: str, results: list[Result]) -> FittedColumn:
