@@ -226,7 +226,7 @@ def peaks_of_band(comparison: LawRuns[LawRecording], band: Sequence[str]) -> str
     forces = {law: force for law in band if (force := comparison[law].peak_force) > 0.0}
     if not forces:
         return ""
-    unit = unit_at("peak_force", stop=comparison.is_at_stop)
+    unit = unit_at("peak_force", is_stop=comparison.is_at_stop)
     extremes = (choose(forces, key=lambda law: forces[law]) for choose in (min, max))
     end_texts = (f"{law} ({force_text(forces[law], unit)})" for law in extremes)
     return f": {' to '.join(dict.fromkeys(end_texts))}"
