@@ -74,6 +74,10 @@ def assert_numbers_at_their_rings(page, onsets):
         for text, middle in numbers:
             apart = [math.dist(middle, ring) for ring in rings]
             nearest.append(apart.index(min(apart)))
+            if len(rings) == len(recent):
+                assert recent[nearest[-1]] == int(re.findall(r"\d+", text)[-1]), (
+                    "each ring has its own number"
+                )
             seen |= {text}
         assert len(nearest) == len(set(nearest))
         last = [int(re.findall(r"\d+", text)[-1]) for text, _ in numbers]

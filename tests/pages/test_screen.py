@@ -359,7 +359,7 @@ def test_a_dragged_handle_tells_its_angle_until_it_is_dropped(show):
         other = number.bounding_box()
         sides = (("x", "width"), ("y", "height"))
         x, y = (abs(box[at] + box[size] / 2 - other[at] - other[size] / 2) for at, size in sides)
-        assert x >= (box["width"] + other["width"]) / 2 or y >= box["height"] / 2
+        assert x >= (box["width"] + other["width"]) / 2 or y >= (box["height"] + other["height"]) / 2
     page.mouse.up()
     text.wait_for(state="detached")
     page.wait_for_timeout(500)  # the address follows the drawing later

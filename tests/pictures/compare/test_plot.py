@@ -203,6 +203,12 @@ def test_a_law_of_impulses_has_a_line_and_a_name_at_each_width(comparison, width
     assert line.get_label() in {text.get_text() for text in legend.get_texts()}
 
 
+def test_laws_of_impulses_alone_are_drawn():
+    page = compare("bouncing_ball", laws=["newton_impact"]).plot()
+    (line,) = page.axes[0].lines
+    assert list(line.get_xdata()) == [0.0, 0.0]
+
+
 def test_grey_loops_have_an_area_also_where_the_penetration_grows_again():
     loops = Figure().subplots()
     law = np.array([[0.0, 1.0, 0.5, 0.8, 0.0], [0.0, 2.0, 1.0, 1.5, 0.0]])

@@ -37,6 +37,15 @@ def test_labels_of_charts_are_right_of_the_chain_and_within_the_film(model):
     assert legend.x1 < figure.bbox.x1
 
 
+def test_the_legend_of_large_energies_is_within_the_film():
+    """Long numbers of energies move the axes to the right, before the legend is packed."""
+    scene = load_scene("hopping_leg")
+    names = [f"link[{i}].{key}" for i in (1, 2) for key in ("mass", "inertia")] + ["contact.stiffness"]
+    heavy = {name: 1e3 * scene.values[name] for name in names}
+    figure, film = film_of(scene.with_values(heavy | {"simulation.stop_time": 0.3}))
+    assert film.cursors[0].axes.get_legend().get_window_extent().x1 < figure.bbox.x1
+
+
 def test_a_number_at_a_lasting_force_is_above_its_line():
     _, film = film_of("stick_slip_belt")
     (text,), (line, *_) = film.peak_names, film.cursors[1].axes.lines

@@ -136,10 +136,7 @@ def _is_covered(comparison: LawRuns[LawRecording], law: str, other_law: str) -> 
     loops = [loop for loop in (run.loop, other_run.loop) if loop is not None and loop.size]
     if len(loops) < 2 or run.result is None or other_run.result is None:  # noqa: PLR2004
         return False
-    total, other_total = (
-        run.result.energies["total"],
-        other_run.result.energies["total"],
-    )
+    total, other_total = run.result.energies["total"], other_run.result.energies["total"]
     gap = np.abs(np.interp(run.result.time, other_run.result.time, other_total) - total).max()
     is_equal = f"{run.restitution:.2f}" == f"{other_run.restitution:.2f}"
     return is_equal and bool(gap <= SAME_CURVE * np.ptp([0.0, *total, *other_total])) and coincide(*loops)

@@ -167,7 +167,9 @@ def draw_loops(axes: Axes, comparison: LawRuns[LawRecording], looks: Looks) -> N
     units = [
         unit_at(quantity, is_stop=comparison.is_at_stop) for quantity in ("max_penetration", "peak_force")
     ]
-    largest_values = np.max([loop.max(axis=1) for loop in loops.values() if loop.size], axis=0, initial=0.0)
+    # no loop at all: the largest values are 0
+    maxima = [(0.0, 0.0), *(loop.max(axis=1) for loop in loops.values() if loop.size)]
+    largest_values = np.max(maxima, axis=0)
     factors, (depth_unit, force_unit) = zip(*map(prefixed_unit, largest_values, units), strict=True)
     loops = {law: loop * np.reshape(factors, (2, 1)) if loop.size else loop for law, loop in loops.items()}
     draw_grey_loops(axes, [loops[law] for law in band if law in loops and loops[law].size])

@@ -87,12 +87,13 @@ def draw_charts(
         else:
             peak = _draw_impulses(panels[1], recording, impulses)
         panels[0].tick_params(labelbottom=False)
-    _draw_energies(panels[0], recording, top)
+    _draw_energies(panels[0], recording)
     for axes in panels:
         mark_impacts(axes, recording)
         axes.set_xlim(*recording.time[[0, -1]])
         is_stretched = stretch(axes, times)
     _clear_left(panels, left - LEFT_ROOM)
+    _draw_key_of_energies(panels[0], top)
     texts = [_name_peak(panels[1], peak)] if has_strip else []
     colour_time(panels[-1], recording)
     panels[-1].set_xlabel("time [s], stretched in slow motion" if is_stretched else "time [s]")
@@ -267,10 +268,14 @@ def _name_peak(axes: Axes, peak: ChartPeak) -> Text:
     return label
 
 
-def _draw_energies(axes: Axes, recording: Recording, top: float) -> None:
+def _draw_energies(axes: Axes, recording: Recording) -> None:
     curves = [curve for curve in energy_curves(recording) if curve[0].any()]
     plot_curves(axes, recording.detailed_energies[0], curves)
     axes.set_ylabel("energy [J]", fontsize=NUMBER_SIZE)
+
+
+def _draw_key_of_energies(axes: Axes, top: float) -> None:
+    """Draw the legend of the energies, below ``top`` [pixels]; the left end of the axes must be final."""
     position: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (-0.02, 1.0)}
     short: dict[str, Any] = {"handlelength": 0.8, "handletextpad": 0.4}
     key = axes.legend(**position, fontsize=NUMBER_SIZE, **short)

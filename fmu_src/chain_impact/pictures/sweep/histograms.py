@@ -64,11 +64,11 @@ def draw_histograms(panels: Sequence[Axes], runs: SweepRuns, quantities: Sequenc
         if not values.size:
             axes.text(0.5, 0.5, NO_VALUE_TEXT, transform=axes.transAxes, ha="center", color="0.4")
             continue
-        is_logarithmic = value_ratio(values) >= WIDE_COLOURS and not quantity.is_count
-        axes.set_xscale("log" if is_logarithmic else "linear")
-        if is_logarithmic and values.max() < WIDE_RANGE * values.min():
+        has_logarithmic_axis = value_ratio(values) >= WIDE_COLOURS and not quantity.is_count
+        axes.set_xscale("log" if has_logarithmic_axis else "linear")
+        if has_logarithmic_axis and values.max() < WIDE_RANGE * values.min():
             number_few_decades(axes.xaxis)
-        edges = edges_of(values, logarithmic=is_logarithmic, integer=quantity.is_count)
+        edges = edges_of(values, logarithmic=has_logarithmic_axis, integer=quantity.is_count)
         axes.hist(values, edges.tolist(), color=BARS, edgecolor=BLUE, linewidth=0.8)
         low, middle, high = np.quantile(values, list(QUANTILES))
         range_text = with_unit(f"{low:.3g} … {high:.3g}", quantity.unit)
