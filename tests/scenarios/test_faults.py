@@ -217,6 +217,43 @@ def test_restarts_do_not_add_up_to_a_drift_of_the_energy():
     assert abs(record["value_end"] - record["window_value"]) < 5.0 * record["least_allowed_change"]
 
 
+def test_restarts_cause_no_drift_while_falls_of_energy_are_corrected():
+    """Each new torque cuts a step and moves sticking points back to their places."""
+    random = np.random.default_rng(33)
+    position, velocity = [0.0, 0.9], random.uniform(-1.0, 1.0, 2).tolist()
+    angles, rates = random.uniform(-3.0, 3.0, 2).tolist(), random.uniform(-3.0, 3.0, 2).tolist()
+    scene = scene_from_dict(
+        {
+            "name": "Thrown",
+            "gravity": [0.0, -9.81],
+            "chain": {
+                "base": "free",
+                "links": [{"length": 0.36, "mass": 1.28}, {"length": 0.4, "mass": 1.26}],
+            },
+            "walls": [{"name": "floor", "point": [0.0, 0.0], "angle": 0.0}],
+            "contact": {"model": "hertz", "stiffness": 1.2e5, "friction": 0.8},
+            "inputs": {"joint_torques": True},
+            "initial": {
+                "position": position,
+                "velocity": velocity,
+                "angles": angles,
+                "angular_velocities": rates,
+            },
+            "solver": {"tolerance": 1e-3},
+        },
+        "thrown",
+    )
+    instance = Instance(scene)
+    given, step, balance = (instance.record[name] for name in ("given", "step", "balance"))
+    added = []
+    for k, torque in enumerate(2.0 * np.random.default_rng(133).uniform(-1.0, 1.0, 16000)):
+        given["motor"][1], given["pending"] = torque, 1
+        assert instance.advance(1e-4 * (k + 1)) == OK
+        added.append(float(step["energy_added_end"]))
+    assert np.count_nonzero(added) > 20
+    assert abs(balance["value_end"] - balance["run_value"]) < 5e-3
+
+
 @pytest.mark.parametrize("stiffness", [1e4, 1e6, 1e10])
 def test_a_new_stiffness_in_an_impact_is_a_change_of_energy_and_no_error(stiffness):
     instance = Instance(chain(1, {"position": [0.0, 0.2], "angles": [0.5]}))

@@ -23,7 +23,7 @@ def held_run(names, run=simulate):
 
 
 @pytest.mark.filterwarnings(f"ignore::{SceneWarning.__module__}.{SceneWarning.__name__}")
-@pytest.mark.parametrize("names", [[*MOTION], ["base.x"], ["base.vx"], ["base.ax"]], ids=len)
+@pytest.mark.parametrize("names", [[*MOTION], ["base.x"], ["base.vx"], ["base.ax"]], ids=" ".join)
 def test_more_rows_leave_a_held_motion_as_it_is(names):
     result = held_run(names)
     times = np.union1d(result.time, np.linspace(0.0, 0.6, 100))

@@ -308,9 +308,10 @@ def try_to_event(d, h):
         roll_back(d)
         drop_events(d)
         return
+    store_energy(d, balance, available)
     if theta >= 0.0:
         truncate_step(d, theta)
-    store_energy(d, balance + correct_falls(d), available)
+    correct_falls(d)
 
 
 def must_repeat_to_event(d, theta):

@@ -168,7 +168,7 @@ def fill_state(d, theta):
 
 
 def fill_forces(d):
-    """Fill the outputs of contacts, except impulses, from the located points and the last evaluated ẏ."""
+    """Fill the outputs of contacts but for impulses and friction, from located points and the last ẏ."""
     out = d.output
     for c in range(d.candidate_count):
         out.force[c], out.penetration[c], out.penetration_rate[c] = 0.0, 0.0, 0.0

@@ -303,10 +303,10 @@ def search_peaks(d, time, peak_at_end):
             raise_largest(d, i, right, sampled_at)
             if m >= 2 and rises_between(left, top, right, transmitted.largest_square[i]):
                 middle, reach = first + (end - first) * (m - 1) / intervals, (end - first) / intervals
-                # The function ``largest_square`` stores the largest of its samples in the field of the same
-                # name, with its time. Its result, the summit of a parabola, exceeds this sample by about
+                # ``find_largest_square`` also stores the largest of its samples in ``largest_square``, with
+                # its time. Its result, the summit of a parabola, exceeds this sample by about
                 # round-off, so the time stays.
-                largest = largest_square(d, i, middle, reach, end)
+                largest = find_largest_square(d, i, middle, reach, end)
                 transmitted.largest_square[i] = max(transmitted.largest_square[i], largest)
 
 
@@ -378,4 +378,4 @@ def square_at(d, i, theta):
     return square
 
 
-largest_square = maximum_of(square_at)
+find_largest_square = maximum_of(square_at)

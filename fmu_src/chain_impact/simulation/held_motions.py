@@ -56,7 +56,8 @@ def run_with_rows_between(
         first, last = np.searchsorted(times, [point, np.nextafter(point, np.inf)])
         step_times = times[filled_count:first]
         if len(step_times):
-            instance.advance(point)
+            if instance.advance(point) != OK:
+                step_times = step_times[step_times <= instance.time]
             _follow_cubics(instance, start)
             filled_count += _write_rows(instance, step_times, rows, filled_count)
             if filled_count < first:

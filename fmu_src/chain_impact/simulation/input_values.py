@@ -78,7 +78,7 @@ def _numbers(value: Any) -> np.ndarray | None:
 def values_before_jumps(grid: np.ndarray, values: np.ndarray, given_inputs: Sequence[Any]) -> np.ndarray:
     """Return the ``values`` just before each point of a grid [s]; change ``values`` at jumps to those after.
 
-    Samples with two equal times have a jump. Column m of ``values`` belongs to ``signals[m]``.
+    Samples with two equal times have a jump. Column m of ``values`` belongs to ``given_inputs[m]``.
     """
     left_values = values.copy()
     for m, given_input in enumerate(given_inputs):

@@ -247,10 +247,10 @@ def _pieces_of(
     interpolation: str,
     grid_times: np.ndarray,
 ) -> tuple[Pieces, np.ndarray]:
-    """Return the polynomials of all signals and then of all motions, and the columns of the motions.
+    """Return the polynomials of all given inputs and then of all motions, and the columns of the motions.
 
     The ``motions`` are followed; of the ``given_inputs``, functions with the interpolations ``follow`` and
-    ``spline``, samples with ``spline`` only. All other signals are held, or with ``linear`` joined by lines,
+    ``spline``, samples with ``spline`` only. All others are held, or with ``linear`` joined by lines,
     between the communication points ``grid_times`` and the times of samples.
     """
     scene, same = prepared_scene.scene, SAMPLE_ROUND_OFF * grid_times[-1]
@@ -334,9 +334,9 @@ def _with_functions(
     pieces: Pieces,
     errors: tuple[np.ndarray, np.ndarray],
 ) -> Pieces:
-    """Return ``pieces``, those of all signals, with polynomials of the ``functions`` in their ``columns``.
+    """Return ``pieces``, those of all inputs, with polynomials of the ``functions`` in their ``columns``.
 
-    In ``pieces`` all signals are constant or linear; see ``Approximator.with_held``. ``errors`` are the
+    In ``pieces`` all inputs are constant or linear; see ``Approximator.with_held``. ``errors`` are the
     arguments ``accuracy`` and ``resolution`` of ``Approximator``, each with a number for each function.
     """
     names = list(functions)
@@ -383,7 +383,7 @@ def inputs_text(inputs: Iterable[str]) -> str:
 def _input_values(
     noun: str, given_input: Any, interpolation: str, times: np.ndarray, same: float
 ) -> np.ndarray:
-    """Return a signal's values at several times, shape (T,); ``linear`` joins samples, else they are held.
+    """Return an input's values at several times, shape (T,); ``linear`` joins samples, else they are held.
 
     A held sample acts from ``same`` [s] before its time on, until the next one acts; the first sample also
     before.

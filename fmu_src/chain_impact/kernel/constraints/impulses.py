@@ -232,7 +232,7 @@ def single_active(d):
 
 
 def solve_single(d, single):
-    """Solve the problem for constraint ``single``; return False if a held point's mobility is too low."""
+    """Solve the linear problem of one constraint; return False if the mobility of a held point is too low."""
     constraints, motion = d.constraints, d.scratch.place_change
     clear_used_forces(d, d.scratch.applied_force)
     add_along_row(constraint_row(d, single), d.scratch.applied_force, 1.0)

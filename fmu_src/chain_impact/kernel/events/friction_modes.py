@@ -53,8 +53,9 @@ SPEED_ERROR_AT_REST = 1e-3
 def choose_friction_modes(d, speeds_may_jump):
     """Choose the modes of friction at the end of the last step, and move sticking elements to their anchors.
 
-    The changes of modes are logged. The marks of the last step that a mode ends (events/marks.py) are
-    removed.
+    An element that has not stuck before gets its present place as its anchor. If any element sticks, the end
+    of the step is projected, also onto held walls. The changes of modes are logged. The marks of the last
+    step that a mode ends (events/marks.py) are removed.
 
     Args:
         d: the instance, with the points located at the end of the last step.

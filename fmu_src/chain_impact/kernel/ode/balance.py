@@ -1,8 +1,9 @@
 """The energy check of a step: the energy balance shows errors that the error estimate does not detect.
 
 The exact motion conserves the energy balance (equations.py), so any change of the balance in a step is an
-error. If the errors of the state in a step are within the tolerance, the balance changes by at most about the
-tolerance times a scale S [J] (energy_scales.py).
+error. The checks leave out `step.energy_added`, which corrections have added to the dissipated energy. If the
+errors of the state in a step are within the tolerance, the balance changes by at most about the tolerance
+times a scale S [J] (energy_scales.py).
 
 A step that changes the balance by more than 3 × tolerance × S is rejected (STEP_CHANGE): its error estimate
 misses something, such as a motion that decays within the first stage. The sum of the changes in one second of
@@ -139,7 +140,7 @@ def begin_window(d):
 def evaluate_balance_at_end(d):
     """Evaluate the energy balance again at the end of the last step, where the next step begins."""
     locate_points(d, d.step.state_end)
-    d.balance.value_end = energy_balance(d, d.step.state_end)
+    d.balance.value_end = energy_balance(d, d.step.state_end) - d.step.energy_added_end
     d.balance.break_count = d.step.break_count
 
 
@@ -170,14 +171,9 @@ def restart_balance(d):
     balance.available_energy = balance.available_energy_start
     if d.contacts.active_count > 0:
         evaluate_balance_at_end(d)
-        shift_balance(d, balance.value_end - value_before)
+        balance.window_value += balance.value_end - value_before
+        balance.run_value += balance.value_end - value_before
         balance.value_start = balance.value_end
-
-
-def shift_balance(d, change):
-    """Let the checks of window and run ignore a ``change`` [J] of the energy balance."""
-    d.balance.window_value += change
-    d.balance.run_value += change
 
 
 def check_energy(d, theta):
@@ -203,7 +199,7 @@ def check_energy(d, theta):
         ensure_rate(d)
         ensure_points(d)
     kinetic, potential = mechanical_energy(d, y)
-    present_value = kinetic + potential + other_energy(d, y)
+    present_value = kinetic + potential + other_energy(d, y) - d.step.energy_added
     change = present_value - balance.value_end
     available = largest_available_energy(d, y, potential)
     # `not <=` is also true for a NaN; `abs(change) > allowed` would accept a NaN
@@ -304,7 +300,7 @@ def is_middle_correct(d):
     if not dissipates_evenly(d, y[dissipated_at(d.link_count)]):
         return False
     locate_points(d, y)
-    change = abs(energy_balance(d, y) - d.balance.value_end)
+    change = abs(energy_balance(d, y) - d.step.energy_added - d.balance.value_end)
     return (
         change <= MIDDLE_CHANGE * d.balance.least_allowed_change
         or change <= MIDDLE_CHANGE * allowed_change(d, y)

@@ -25,10 +25,10 @@ from chain_impact.kernel.record.state import dissipated_at, sundman_u_at, time_a
 
 # the exponents p and q of the interpolant y₀ + Σ F_m θᵖ (1−θ)^q, in the order of its coefficients F₀ to F₆
 BASIS_POWERS = ((1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3))
-# The largest distance of an output of dissipated energy from the range of its values at both ends of a step,
-# relative to the tolerance and to the sum of `chain.energy_scale` and this energy. With a smaller number the
-# energy balance of a chain at rest would change by more than round-off; with a larger number the energy could
-# fall within a step by more than the tolerance.
+# How far a dissipated energy may leave its range, relative to the tolerance and to the sum of this energy and
+# `chain.energy_scale`. The range of an output is that between both ends of a step; the end of a step is not
+# below its start. With a smaller number the energy balance of a chain at rest would change by more than
+# round-off; with a larger number the energy could fall in a step by more than the tolerance.
 ENERGY_SLACK = 0.1
 FRACTION_RESOLUTION = 1e-15  # accuracy of the fraction θ at which a regularized step reaches a time
 
@@ -88,7 +88,7 @@ def without_fall(d, start, end):
 
 
 def energy_slack(d, energy):
-    """Return by how much [J] an output of dissipated energy may fall; see ENERGY_SLACK."""
+    """Return by how much [J] a dissipated energy may leave its range in a step; see ENERGY_SLACK."""
     return ENERGY_SLACK * d.solver.tolerance * (d.chain.energy_scale + abs(energy))
 
 

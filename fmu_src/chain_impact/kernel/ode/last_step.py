@@ -62,6 +62,7 @@ def reset_step(d, time, y):
     reset_times(d, time)
     step.size = 1.0
     step.remainder = step.remainder_whole = step.remainder_end
+    step.energy_added = step.energy_added_end
     reset_quadratures(d)
     step.regularized_candidate = NO_CONTACT
     step.dense_for = SOLVER_READER
@@ -91,7 +92,7 @@ def make_last_step(d):
     stages and sets the dense output.
     """
     step, y = d.step, d.trial.state
-    step.remainder = step.remainder_end
+    step.remainder, step.energy_added = step.remainder_end, step.energy_added_end
     if any_constraint(d):
         project_trial(d)
         move_missed_anchors(d)
@@ -150,6 +151,15 @@ def count_dissipated(d, energy):
     d.step.state_end[dissipated_at(d.link_count)] += energy
 
 
+def correct_dissipated(d, energy):
+    """Add an energy [J] to the dissipated energy at the last step's end, to correct an error.
+
+    The checks of the energy balance leave out the sum of these energies.
+    """
+    count_dissipated(d, energy)
+    d.step.energy_added_end += energy
+
+
 def evaluate_start(d):
     """Evaluate rates at the start of the next step again, because forces or inputs have changed there."""
     rate_from_state(d, d.step.state_end, d.scratch.rate_start)
@@ -168,7 +178,7 @@ def roll_back(d):
     step.end = step.start
     for j in range(len(step.state)):
         step.state_end[j] = step.state[j]
-    step.remainder_end = step.remainder
+    step.remainder_end, step.energy_added_end = step.remainder, step.energy_added
     roll_back_quadratures(d)
     count_break(d)
 
@@ -196,7 +206,7 @@ def end_at_fraction(d, theta):
         d, step.state_end, change_up_to(step, theta, energy_index) + remainder, step.state[energy_index]
     )
     truncate_quadratures(d, theta)
-    step.end_fraction = theta
+    step.end_fraction, step.energy_added_end = theta, step.energy_added
     count_break(d)
 
 

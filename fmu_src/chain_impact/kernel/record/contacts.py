@@ -210,7 +210,7 @@ def constraints_dtype(link_count: int, candidate_count: int, friction_element_co
         # 1: the last problem was near a fold: a rigid wall held a point, and the first iteration left more
         # than FOLD_RESIDUAL (constraints/impulses.py) of the residual
         ("near_fold", INTEGER),
-        # 1: the constraint is in the active set, so its impulse may differ from 0
+        # 1: the constraint is in the active set, so its impulse may differ from 0; 0: it is not
         ("in_active_set", INTEGER, (count,)),
         # constraints of rigid walls in ``solve_lcp``: 1 if the impulse of one in the active set is a pull, or
         # if ``reached_motion`` of one outside the set is below ``target_motion``; else 0

@@ -179,7 +179,7 @@ def initial_dtype(link_count: int) -> np.dtype:
         ("position", REAL, (2,)),  # m, initial position of the base, x and y
         ("velocity", REAL, (2,)),  # m/s, initial velocity of the base, x and y; not used with a slider
         ("angle", REAL, (link_count,)),  # rad, initial absolute angle of each link
-        ("angular_velocity", REAL, (link_count,)),  # rad/s, initial angular velocity of each link
+        ("angular_velocity", REAL, (link_count,)),  # rad/s, initial absolute angular velocity of each link
         ("slider_velocity", FINITE),  # m/s, initial velocity of the base along the line of a slider
     )
 

@@ -66,6 +66,9 @@ def step_dtype(link_count: int, candidate_count: int) -> np.dtype:
         ("remainder_end", REAL),
         # J, what the dissipated energy in y lacks by rounding at the end of the whole step of ``size``
         ("remainder_whole", REAL),
+        # J, what ode/falls.py has added to the dissipated energy up to ``start`` and up to ``end``
+        ("energy_added", REAL),
+        ("energy_added_end", REAL),
         # coefficients of the dense output, the interpolant of y over the whole step of ``size``
         ("dense", REAL, (DENSE_COEFFICIENTS, state)),
         ("rate_known", INTEGER),  # 1: `scratch.rate_end` is ẏ at ``end``; 0: ẏ at ``end`` is not known
@@ -153,23 +156,20 @@ def balance_dtype() -> np.dtype:
         ("break_count", INTEGER),
         # s, start of the window of time in which the sum of the changes of the balance has a limit
         ("window_start", REAL),
-        # J, energy balance at the start of the window, plus later changes that are no errors of steps
+        # J, energy balance at the start of the window, plus the later changes that new parameters cause
         ("window_value", REAL),
         ("allowed_change", REAL),  # J, the largest change allowed to any step in the window so far
         # J, the part of a step's allowed change of the balance that does not depend on the state
         ("least_allowed_change", REAL),
         ("run_start", REAL),  # s, time at which the run started
-        # J, energy balance at the start of the run, plus later changes that are no errors of steps
+        # J, energy balance at the start of the run, plus the later changes that new parameters cause
         ("run_value", REAL),
-        # J, value of ``available_energy`` before the last step
-        ("available_energy_start", REAL),
+        ("available_energy_start", REAL),  # J, ``available_energy`` before the last step
         # J, the largest energy that motion, springs, walls and heat together can have had at any time up to
         # the end of the last step
         ("available_energy", REAL),
-        # √J, √E₁ of ode/energy_scales.py: the root of an energy of motion
-        ("root_reference_energy", REAL),
-        # J, M g (s + Σ L_i) + E₂ of ode/energy_scales.py
-        ("reference_energy", REAL),
+        ("root_reference_energy", REAL),  # √J, √E₁ of ode/energy_scales.py
+        ("reference_energy", REAL),  # J, M g (s + Σ L_i) + E₂ of ode/energy_scales.py
         ("weight", REAL),  # N, weight of chain and carriage
     )
 

@@ -99,8 +99,7 @@ def set_polar(radius, y, first, horizontal, vertical):
 def unit_vector(angle):
     """Return the cosine and sine of an angle [rad].
 
-    The replaced function rounds the angle to whole quarter turns by adding a large number; for a dual number
-    this rounding would give wrong derivatives.
+    ``set_polar`` says why the replaced function cannot take dual numbers.
     """
     cosine, sine = angles.unit_vector(value(angle))
     return dual_with_slope(cosine, -sine, angle), dual_with_slope(sine, cosine, angle)
