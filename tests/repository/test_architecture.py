@@ -407,12 +407,13 @@ def test_only_one_helper_uses_private_parts_of_chains_and_instances():
 
 
 HELPERS, SCENARIOS = ROOT / "tests" / "helpers", ROOT / "tests" / "scenarios"
-LISTED = [SCENARIOS, HELPERS, *(file.parent for file in HELPERS.glob("*/__init__.py"))]
+# the scenarios are no package: processes that a test starts import its functions as ``tests.scenarios.…``
+GUIDES = [SCENARIOS / "guide.py", HELPERS / "__init__.py", *HELPERS.glob("*/__init__.py")]
 
 
-@pytest.mark.parametrize("folder", LISTED, ids=lambda folder: folder.name)
-def test_the_head_of_a_folder_of_helpers_or_scenarios_names_all_in_it_once(folder):
-    page = ast.get_docstring(ast.parse((folder / "__init__.py").read_text("utf-8")))
-    modules, folders = folder.glob("*.py"), folder.glob("*/__init__.py")
+@pytest.mark.parametrize("guide", GUIDES, ids=lambda guide: guide.parent.name)
+def test_the_guide_of_a_folder_names_everything_in_it_once(guide):
+    page = ast.get_docstring(ast.parse(guide.read_text("utf-8")))
+    modules, folders = guide.parent.glob("*.py"), guide.parent.glob("*/__init__.py")
     inside = {file.stem for file in modules} | {file.parent.name for file in folders}
-    assert sorted(re.findall(r"``(\w+)``", page)) == sorted(inside - {"__init__"})
+    assert sorted(re.findall(r"``(\w+)``", page)) == sorted(inside - {guide.stem})

@@ -63,5 +63,6 @@ def test_the_checks_leave_out_what_is_added_and_a_cut_undoes_it(d):
     last_step.roll_back(d)
     assert d.step.energy_added_end == 0.25
     last_step.correct_dissipated(d, 0.5)
+    energy = float(d.step.state_end[index])
     last_step.reset_step(d, 0.0, d.step.state_end.copy())
-    assert (d.step.energy_added, d.step.state[index]) == (0.75, d.step.state_end[index])
+    assert (d.step.energy_added, d.step.state[index]) == (0.75, energy)

@@ -18,7 +18,12 @@ from chain_impact.pictures.sweep.layout import (
     varying_in,
 )
 from chain_impact.pictures.sweep.maps import NO_IMPACT, unit_of
-from chain_impact.pictures.sweep.quantities import Quantity, ShownQuantities, printed_number
+from chain_impact.pictures.sweep.quantities import (
+    Quantity,
+    ShownQuantities,
+    printed_number,
+    shown_quantities_of,
+)
 from chain_impact.scene.texts.plain_names import plain_name
 from chain_impact.scene.texts.unit_text import unit_text, with_unit
 from chain_impact.study_data.sweep.runs import STATUS_WORD, SweepRuns
@@ -47,8 +52,9 @@ def headline_parts(
     The first parts are results with their course, and varied parameters that hardly matter (``idle_text``).
 
     The results are those with ``in_headline`` that are known and not 0 in at least one run or, without any,
-    the first drawn one; with ``is_small`` only the first of them. The reasons of failed runs stand in
-    brackets after ``mark``: "×: ", or "" if the picture has no mark for failed runs.
+    the first drawn one; with ``is_small`` only the first of them. If the only varied parameter changes no
+    result and no run failed, a sentence that says so is in place of the results. The reasons of failed runs
+    stand in brackets after ``mark``: "×: ", or "" if the picture has no mark for failed runs.
     """
     loads = [
         load
@@ -60,10 +66,13 @@ def headline_parts(
         values = quantity.values_or_nan(runs)
         if np.isfinite(values).any():
             parts.append(result_text(quantity, values[np.isfinite(values)], effect_text(runs, quantity)))
-    if len(varying_in(runs.design)) == 1 and len(runs) > 1 and not shown_quantities.has_changes(runs):
+    failed = int(runs.failed.sum())
+    has_one_variation = len(varying_in(runs.design)) == 1 and len(runs) > 1
+    # results that the picture does not show must be the same, too
+    choices = (shown_quantities, shown_quantities_of(runs))
+    if has_one_variation and not failed and not any(choice.has_changes(runs) for choice in choices):
         parts = [f"{plain_name(varying_in(runs.design)[0].name)} changes none of the results"]
     parts += [idle_text(runs, quantities[0]), no_impact_text(runs, quantities[0])]
-    failed = int(runs.failed.sum())
     if failed:
         status_texts = [word.replace("_", " ") for word in np.unique(runs[STATUS_WORD][runs.failed])]
         parts.append(f"{failed} failed ({mark}{names_text(status_texts, MOST_REASONS)})")

@@ -25,6 +25,7 @@ from chain_impact.pictures.fit.law_ranking import draw_law_ranking
 from chain_impact.results.result import Result
 from chain_impact.scene.texts.plain_names import plain_name
 from chain_impact.studies.fit.estimate_texts import (
+    MOST_ESTIMATES,
     estimate_ranges,
     estimate_text,
     short_error_text,
@@ -65,7 +66,9 @@ def ranking_contents(fit: Estimates) -> dict[str, Any]:
     if len(tied) > 1:
         notes = estimate_ranges(fit, tied)
     else:
-        notes = [estimate_text(fit, label) for label in fit.values]
+        notes = [estimate_text(fit, label) for label in list(fit.values)[:MOST_ESTIMATES]]
+        rest = len(fit.values) - len(notes)
+        notes += [count_text(rest, "more parameter")] if rest else []
     unfinished_text = ", ".join(entry.law for entry in fit.ranking if entry.fit and not entry.fit.converged)
     notes += [f"did not converge: {unfinished_text}"] if unfinished_text else []
     other_count = count_of_best(fit) - 1

@@ -117,7 +117,7 @@ class Sweep(SweepRuns):
             path: a file; its suffix png, svg or pdf determines the kind. Without a file the figure is
                 returned, for a notebook.
             size: width and height [inches]; with the height None, the contents determine the height.
-                In a picture narrower than 6 inches all panels are in one column.
+                In a picture narrower than 6 inches, panels with curves or samples are in one column.
             panels: the columns to draw, such as ``"peak_force"``; ``*`` stands for any text. By default, the
                 main results and the first four additional outputs are drawn: those that differ between the
                 runs or, if none does, all. If the runs are samples, and forces or moments are among these
