@@ -14,7 +14,7 @@ def test_curves_are_drawn_into_a_file(run, here):
     assert "picture  curves.svg" in said
     assert "the largest peak looks like a line; --around 1 shows impact 1" in said
     told = (here / "curves.svg").read_text(encoding="utf-8")
-    for name in ("contact[2].x_max.force", "point[2].x", "energy.total"):
+    for name in ("contact[2].x_max", "force [kN]", "point[2]", "position x [m]", "energy.total"):
         assert name in told
     for size in ("84", "84x120"):
         assert run(*asked, "--around", "1", "--plot", "near.svg", "--size", size)[0] == 0
