@@ -11,8 +11,8 @@ from tests.pictures.pictures import PLANAR, motion_of, page_of, page_of_width, p
 
 
 def wall_lines(axes):
-    """Return the end points of the walls' lines, (2, 2) each: only wall lines have no marker and no label."""
-    lines = (line for line in axes.lines if line.get_marker() == "None")
+    """Return the end points of the walls' lines, (2, 2) each: lines without a marker, but with points."""
+    lines = (line for line in axes.lines if line.get_marker() == "None" and len(line.get_xdata()))
     return [np.array(line.get_xydata()) for line in lines]
 
 
