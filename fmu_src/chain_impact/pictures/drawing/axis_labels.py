@@ -27,7 +27,7 @@ COARSE_STEPS = (1, 2, 4, 5, 10)
 # the label of an axis x is broken into lines if it is longer than LABEL_RATIO × the axis (``break_labels``)
 LABEL_RATIO = 1.1
 # a label of an axis y is broken if it is longer than HIGH_LABEL × the axis: beside legend and numbers is room
-HIGH_LABEL = 1.15
+HIGH_LABEL = 1.0
 
 
 def numbers_in_view(axis: Axis) -> list[Text]:
