@@ -264,6 +264,15 @@ def test_a_title_of_three_lines_covers_no_legend(show):
     assert page.locator("#impacts tbody tr").nth(2).is_visible()
 
 
+def test_the_caption_beside_the_motion_is_whole_and_has_no_gap_above(show):
+    """A phone on its side has a narrow column for the clock."""
+    page = show("four_link_box", viewport={"width": 667, "height": 375})
+    go_to(page, 0.5)
+    room, caption = (page.locator(name).bounding_box() for name in ("#caption-room", "#caption"))
+    assert caption["y"] == room["y"]
+    assert page.locator("#caption").evaluate("one => one.scrollHeight <= one.clientHeight + 1")
+
+
 @pytest.mark.parametrize("model", ["four_link_box", "cart_pole", "hopper", "stick_slip_belt"])
 def test_the_sentence_on_an_impact_stays_within_its_card(show, model):
     whole = "one => one.scrollWidth <= one.clientWidth && one.scrollHeight <= one.clientHeight + 1"
