@@ -27,7 +27,7 @@ def test_a_scene_with_stops_has_panels_for_them():
     )
     assert len(labels) == 6 + len(changing)
     assert all(name in page.texts[1].get_text() for name in {*outputs} - {*changing})
-    assert "kN, falls with stop restitution,\npeak moment of stops" in page.get_suptitle()
+    assert "kN falls with stop restitution,\npeak moment of stops of" in page.get_suptitle()
 
 
 def test_a_scene_without_walls_has_no_panels_for_them():
