@@ -220,8 +220,8 @@ def name_point(axes: Any, text: str, row: dict[str, Any], colour: str) -> None:
         "fontsize": "small",
         "xytext": (6, 1),
         "textcoords": "offset points",
+        "path_effects": HALO,
     }
-    look["path_effects"] = HALO
     axes.annotate(text, (1e3 * row["seconds"], row["tip"]), **look)
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
@@ -211,6 +212,11 @@ def _draw_rule(figure: Figure, upper_axes: Axes, lower_axes: Axes) -> None:
     figure.add_artist(Line2D([margin, 1.0 - margin], [height, height], color=GREY, linewidth=0.6))
 
 
+def draw_row_lines(axes: Axes, rows: Sequence[int] | np.ndarray) -> None:
+    """Draw a pale line over the whole width of axes at each of ``rows``."""
+    axes.hlines(rows, 0.0, 1.0, PALE_GREY, linewidth=0.6, zorder=0, transform=axes.get_yaxis_transform())
+
+
 def draw_bars(
     axes: Axes, block: Bars, ends: tuple[float, float], *, is_small: bool, is_pale: bool = False
 ) -> Text:
@@ -223,8 +229,7 @@ def draw_bars(
     rows = range(len(block.names))
     colours = block.colours or [INCREASE if value > 0.0 else DECREASE for value in block.values]
     if block.dots:
-        whole_width: dict[str, Any] = {"zorder": 0, "transform": axes.get_yaxis_transform()}
-        axes.hlines(rows, 0.0, 1.0, PALE_GREY, linewidth=0.6, **whole_width)
+        draw_row_lines(axes, rows)
         axes.scatter(block.values, rows, s=DOT, color=colours, zorder=3.0, clip_on=False)
     else:
         fills: list[Any] = [

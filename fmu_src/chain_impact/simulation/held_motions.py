@@ -52,10 +52,10 @@ def run_with_rows_between(
     filled_count = 0
     for k, point in enumerate(schedule.times):
         schedule.set(instance.record, k)
-        start = instance.words.copy()
         first, last = np.searchsorted(times, [point, np.nextafter(point, np.inf)])
         step_times = times[filled_count:first]
         if len(step_times):
+            start = instance.words.copy()
             if instance.advance(point) != OK:
                 step_times = step_times[step_times <= instance.time]
             _follow_cubics(instance, start)

@@ -58,12 +58,12 @@ USUAL_RESIDUAL = 2.0
 RESIDUAL_TICKS = [step * 10.0**power for power in range(16) for step in (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 8.0)]
 
 
-def draw_column(values: Axes, residuals: Axes, column: FittedColumn, *, has_several: bool) -> bool:
+def draw_column(values: Axes, residuals: Axes, column: FittedColumn, *, has_several: bool) -> None:
     """Draw a measured column: data and model in the axes ``values``, and the residuals Δ divided by σ below.
 
-    ``has_several``: whether there are several data sets. Returns whether the panel has lines at impacts.
+    ``has_several``: whether there are several data sets.
     """
-    over_impacts, has_lines = column.is_of_impacts, False
+    over_impacts = column.is_of_impacts
     scale, unit = axis_unit(column.unit, [np.concatenate([part.measured for part in column.series])])
     reach = max(float(np.nanmax(np.abs(part.ratios), initial=USUAL_RESIDUAL)) for part in column.series)
     residuals.set(ylim=(-1.15 * reach, 1.15 * reach))
@@ -84,7 +84,7 @@ def draw_column(values: Axes, residuals: Axes, column: FittedColumn, *, has_seve
             values.plot(part.positions, model, "_", color=MODEL, **MODEL_DASH)
         else:
             look = {"color": colour} if has_several else {"color": MODEL, "label": "model"}
-            has_lines |= _curve((values, residuals), part, scale, look)
+            _curve((values, residuals), part, scale, look)
             step = math.ceil(len(part.measured) / MOST_DOTS)
             mark_style |= {"markevery": step} | ({"label": f"{dots_label} (1 of {step})"} if step > 1 else {})
             values.plot(part.positions, scale * part.measured, **mark_style)
@@ -115,7 +115,6 @@ def draw_column(values: Axes, residuals: Axes, column: FittedColumn, *, has_seve
         if over_impacts and not has_several:
             handles = [Line2D([], [], color=MODEL, linewidth=1.8, label="model"), *handles]
         legend_above(values, handles)
-    return has_lines
 
 
 def has_mean(series: FittedSeries) -> bool:
@@ -135,10 +134,10 @@ def running_means(times: np.ndarray, values: np.ndarray) -> np.ndarray:
     return np.array([[times[part].mean(), values[part].mean()] for part in rows]).T
 
 
-def _curve(panels: Sequence[Axes], series: FittedSeries, scale: float, look: dict[str, Any]) -> bool:
+def _curve(panels: Sequence[Axes], series: FittedSeries, scale: float, look: dict[str, Any]) -> None:
     """Draw the model's course in the first of two panels, and a line at each impact of the model in both.
 
-    ``scale``: the factor of the unit. Returns whether there is a line at an impact.
+    ``scale``: the factor of the unit.
     """
     for axes in panels:
         mark_style: dict[str, Any] = {"linewidth": 0.6, "zorder": 0, "transform": axes.get_xaxis_transform()}
@@ -146,7 +145,6 @@ def _curve(panels: Sequence[Axes], series: FittedSeries, scale: float, look: dic
     assert series.course is not None
     times, values = series.course
     panels[0].plot(times, scale * values, **{"linewidth": 1.8, "zorder": 4.0} | look)
-    return len(series.onsets) > 0
 
 
 def _colours(count: int) -> list[str]:

@@ -17,6 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from chain_impact.pictures.bars import draw_row_lines
 from chain_impact.pictures.drawing.figures import draw_figure, settle
 from chain_impact.pictures.drawing.headings import name_above
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
@@ -24,7 +25,6 @@ from chain_impact.pictures.drawing.sizes import Size, figure_size
 from chain_impact.pictures.drawing.style import (
     COUNT_STEPS,
     INK,
-    PALE_GREY,
     drawing_style,
     give_ticks,
     is_narrow,
@@ -312,21 +312,13 @@ def _draw_dots(panels: list[Axes], runs: SweepRuns, quantities: list[Quantity], 
     rows, is_own = np.arange(len(runs)), np.array(names) == str(runs.scene.values.get(choice.name, ""))
     for axes, quantity in zip(panels, quantities, strict=True):
         shown_values, is_missed = quantity.values_or_nan(runs), quantity.is_without_touch(runs)
-        finite_values = shown_values[np.isfinite(shown_values)]
-        # a row with a word has no line, which would lie on the word
         is_finite = np.isfinite(shown_values)
-        axes.hlines(
-            rows[is_finite],
-            0.0,
-            1.0,
-            PALE_GREY,
-            linewidth=0.6,
-            zorder=0,
-            transform=axes.get_yaxis_transform(),
-        )
+        finite_values = shown_values[is_finite]
+        # a row with a word has no line, which would lie on the word
+        draw_row_lines(axes, rows[is_finite])
         axes.plot(shown_values, rows, "o", color=LINE_COLOURS[0], markersize=4.0, clip_on=False)
         missing_word = "impulse" if quantity.column in LOADS else "unknown"
-        for row in rows[~np.isfinite(shown_values)]:
+        for row in rows[~is_finite]:
             word = "failed" if runs.failed[row] else NO_IMPACT if is_missed[row] else missing_word
             axes.text(
                 FOOT, row, word, transform=axes.get_yaxis_transform(), va="center", color="0.4", size="small"

@@ -146,22 +146,23 @@ def _column(fit: Estimates, name: str, results: list[Result]) -> FittedColumn:
     """Return a measured column; ``results``: the model's run of each data set."""
     series, first = list[FittedSeries](), 0
     for k, data in enumerate(fit.data):
-        rows = np.flatnonzero(np.array(data.quantity) == name)
-        if len(rows):
-            series.append(_series(fit, name, k, first + rows, results[k]))
+        if name in data.quantity:
+            series.append(_series(fit, name, k, first, results[k]))
         first += len(data)
     # the text below the headline tells a common origin
     text = sigma_text(fit, name) if _origin(fit) else sigma_of(fit, name)
     return FittedColumn(name, fit.unit(name), text, name in MEASURED_OF_IMPACT, tuple(series))
 
 
-def _series(fit: Estimates, name: str, k: int, rows: np.ndarray, result: Result) -> FittedSeries:
+def _series(fit: Estimates, name: str, k: int, first: int, result: Result) -> FittedSeries:
     """Return the values of a measured column in data set ``k``.
 
-    ``rows``: the indices of these values among the values of all data sets; ``result``: the model's run.
+    ``first``: the index of the data set's first value among the values of all data sets; ``result``: the
+    model's run.
     """
     data = fit.data[k]
-    own_rows = rows - sum(len(data_set) for data_set in fit.data[:k])
+    own_rows = np.flatnonzero(np.array(data.quantity) == name)
+    rows = first + own_rows
     course, onsets = None, np.zeros(0)
     if name in MEASURED_OF_IMPACT:
         positions = _numbers(data, data.row[own_rows], result)
