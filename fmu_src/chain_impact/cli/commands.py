@@ -63,7 +63,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Execute the command with the words ``arguments``, by default the arguments of the process.
 
     Return the exit code: 0; 1 for faults of FMUs that ``validate`` finds; 2 for a wrong argument, scene or
-    file, no verb, or a missing package; 3 for a fault of a run or a build; 130 after Ctrl-C.
+    file, no verb, or a missing package; 3 for a fault of a run or a build; 130 after Ctrl-C. After an error
+    of the parser, also code 2, and after --help or --version, SystemExit is raised instead.
     """
     prepare_console()
     grammar = parser()

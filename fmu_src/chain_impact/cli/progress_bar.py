@@ -38,7 +38,10 @@ def progress(work: str = "simulating") -> Iterator[Progress]:
 
 @contextmanager
 def _listen(level: int, receive: Callable[[logging.LogRecord], None]) -> Iterator[None]:
-    """Context manager that calls ``receive`` with each message that is logged at ``level`` or above."""
+    """Context manager that calls ``receive`` with each message that is logged at ``level`` or above.
+
+    Meanwhile ``level`` is the level of the package's logger.
+    """
 
     def receive_at_level(record: logging.LogRecord) -> bool:
         if record.levelno >= level:

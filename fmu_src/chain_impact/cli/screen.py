@@ -156,8 +156,8 @@ def with_screen_tables(parts: Iterable[str | TextTable]) -> Iterator[RenderableT
 def meanings(recording: Recording) -> Iterator[str]:
     """Yield lines that explain the numbers of points and the names of walls in the table of impacts.
 
-    If the recording of an FMU lacks the peak force of some impacts, but not of all, a further line tells
-    the number of these impacts.
+    If the peak force of some impacts, but not of all, is unknown, as in the recording of an FMU, a further
+    line tells the number of these impacts.
     """
     hits = [row for row in recording.impacts if recording.touching_part(row).startswith("point")]
     hit = {recording.wall_names[row["wall"]] for row in hits}

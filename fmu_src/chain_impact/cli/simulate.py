@@ -102,7 +102,7 @@ class PictureChoice:
 
     @property
     def is_motion(self) -> bool:
-        """Whether the picture has the motion, energies and impacts."""
+        """Whether the picture, if it is not that of a ranking, has the motion, energies and impacts."""
         return not (self.curves or self.sensitivities)
 
     def check(self, *, is_drawn: bool) -> None:

@@ -102,7 +102,8 @@ class Source:
         """Return the ranking of ``parameters``, by default of all, by the change of ``quantity``.
 
         The scene is simulated with rows at the start and the end only, because the ranking needs no rows
-        between, and with the forces in joints if ``quantity`` is the largest of these. An FMU is refused.
+        between, and with the forces in joints if ``quantity`` is the largest of these. The result is checked
+        by runs with changed values (``Ranking.checked``). An FMU is refused.
         """
         if self.is_fmu:
             raise UsageError(f"--rank: {self.name} is an FMU; must be a scene")

@@ -49,10 +49,10 @@ DIAMOND: dict[str, Any] = {"marker": "D", "markersize": 4.0, "color": INK, "line
 DIAMOND |= {"markeredgecolor": "white", "markeredgewidth": 0.5, "clip_on": False, "zorder": 4.0}
 """The properties of the diamonds, see ``Bars.marks``, with matplotlib's names."""
 RUN_LABEL = "change in a run (bar: to first order)"
-PALE_BARS = 0.5  # the opacity of the bars of a block that cannot be compared with the first one
+PALE_BARS = 0.5  # the opacity of the bars of all blocks but the first, with which they cannot be compared
 BAR_THICKNESS = 0.66  # the thickness of a bar, relative to the distance between bars
-# bars are cut off only if the longest bar extends more than CUT_RATIO times as far from 0 as what must be
-# visible
+# ``axis_ends`` cuts off bars only if the longest bar extends more than CUT_RATIO times as far from 0 as what
+# must be visible
 CUT_RATIO = 4.0
 ROOM_BESIDE = 1.5  # see ``axis_ends``; a number > 1, so that arrows of cut bars are visible beside the marks
 CUT_BARS = "a bar with an arrow is longer than the axis"
@@ -76,7 +76,7 @@ class Bars:
         title: a text above the block.
         colours: the colour of each bar; without colours, the colour of a bar shows the sign of its value.
         marks: for each bar None or a second value, at which a diamond stands, or a hollow arrow if the value
-            is beyond the axis; a NaN has neither.
+            is beyond the axis; a value that is not finite has neither.
         hollow: for each bar whether it is hollow, because its second value refutes the first one.
         dots: whether a dot stands in place of each bar, for an axis that is not linear; without ``marks``.
     """
@@ -109,15 +109,15 @@ class Bars:
 
 
 def is_beyond(value: float | None, ends: tuple[float, float]) -> bool:
-    """Return whether a value, unless it is None or not finite, is beyond the ends of an axis."""
+    """Return whether a value is beyond the ends of an axis; False for None and a value that is not finite."""
     return value is not None and math.isfinite(value) and not ends[0] <= value <= ends[1]
 
 
 def shared_ends(blocks: Sequence[Bars]) -> list[tuple[float, float]]:
     """Return the ends of the axis of each block; blocks with the same label have the same ends.
 
-    These are at most MOST_SHARED times as far from 0 as the ends of the first of these blocks, so that a long
-    bar of another block leaves room for the bars of the first one.
+    These are at most MOST_SHARED times as far from 0 as the farther end of the first of these blocks, so that
+    a long bar of another block leaves room for the bars of the first one.
     """
     ends = {}
     for label in {block.label for block in blocks}:
@@ -132,9 +132,9 @@ def axis_ends(
 ) -> tuple[float, float]:
     """Return the ends of the axis for bars: the least and the largest of 0, all ``values`` and all ``marks``.
 
-    If most bars are hollow, and all marks and all bars without a mark are much nearer to 0 than the longest
-    bar (CUT_RATIO), bars are cut off at ROOM_BESIDE times the largest distance of these marks and bars from
-    0.
+    None and values that are not finite do not count. If most bars are hollow, and all marks and all bars
+    without a mark are much nearer to 0 than the longest bar (CUT_RATIO), but not all 0, bars are cut off at
+    ROOM_BESIDE times the largest distance of these marks and bars from 0.
     """
     finite_values = [value for value in (*values, *marks) if value is not None and math.isfinite(value)]
     low, high = min([0.0, *finite_values]), max([0.0, *finite_values])
@@ -148,7 +148,10 @@ def axis_ends(
 
 
 def bars_size(counts: Sequence[int]) -> tuple[float, float]:
-    """Return the default size of a figure [inches] for the number of bars in each block."""
+    """Return the default size of a figure [inches] for the number of bars in each block.
+
+    There is room for at least two bars.
+    """
     return BARS_WIDTH, BARS_MARGIN + BLOCK_SPACE * max(len(counts) - 1, 0) + BAR_HEIGHT * max(sum(counts), 2)
 
 
@@ -163,7 +166,8 @@ def draw_bar_figure(
         title: the title of the picture.
         conditions_text: the text below the title.
         blocks: the blocks, each with at least one bar; without a block the picture says "no effect".
-        warning: a text in PEAK_COLOUR between title and conditions; "" for none.
+        warning: a text in PEAK_COLOUR between title and conditions; "" for none. Notes on bars and marks that
+            are cut off (``Bars.cut_notes``) are added to the warning or, without one, to the conditions.
     """
     ends = shared_ends(blocks)
     notes = sorted({note for block, axis in zip(blocks, ends, strict=True) for note in block.cut_notes(axis)})
@@ -223,8 +227,7 @@ def draw_bars(
     """Draw a block of bars into axes, with the texts in a column at the right; return its title.
 
     ``ends``: the least and the largest value of the axis. ``is_small``: whether the figure is narrow, so that
-    the names must be small, and the ticks few. ``is_pale``: whether the bars are pale, as those of a block
-    that cannot be compared with the first one.
+    the names must be small, and the ticks few. ``is_pale``: whether the bars are pale; dots never are.
     """
     rows = range(len(block.names))
     colours = block.colours or [INCREASE if value > 0.0 else DECREASE for value in block.values]

@@ -100,7 +100,7 @@ def _chain_figure(
 ) -> tuple[Any, np.ndarray, float]:
     """Draw the walls, and the chain at the start, into a new figure.
 
-    The view contains the chain and, of each wall, the point that is nearest to the mean of the points 0…N.
+    The view contains the points of the chain and, of each wall, the point nearest to the mean of points 0…N.
     ``size``: width and height of the figure [inches]; ``border``: the least free width, left plus right, and
     least free height, top plus bottom [inches]; ``style``: linewidth and markersize of the chain [points].
 

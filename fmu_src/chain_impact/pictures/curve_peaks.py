@@ -51,9 +51,9 @@ def largest_drawn(curves: Curves) -> str:
 def largest_force(curves: Curves) -> tuple[str, np.ndarray]:
     """Return the name and the |values| over time of the curve of a force with the largest |value|.
 
-    Without curves of forces, the result is the curve of a moment or, without these, of an impulse. The
-    components x and y of a force count as one force: "|joint[1].force|". The name is "" without such curves,
-    and if all values are 0.
+    If no force has a curve with a value other than 0, the result is the curve of a moment or else of an
+    impulse. The components x and y of a force also count as one force: "|joint[1].force|". If no such curve
+    has a value other than 0, the name is "" and the array empty.
     """
     for unit in MARKED_UNITS:
         names = [name for name in curves.values if curves.units.get(name) == unit]
@@ -74,8 +74,9 @@ def extremes(
     """Return a label for each curve of a force, moment or impulse, at its value farthest from 0.
 
     The label of the largest |value| is first. A curve without a value other than 0 has no label; if ``unit``
-    is not in MARKED_UNITS, there are no labels. A label stands at the side of its curve where no other curve
-    is near (LABEL_DISTANCE), so that it does not read as the number of this other curve.
+    is not in MARKED_UNITS, there are no labels. A label stands at the side of its curve away from 0 or, if
+    another curve is near there (LABEL_DISTANCE) and nearer than at the other side, at the other side, so that
+    it does not read as the number of the other curve.
 
     Args:
         time: the times in the unit of the axis, shape (T,).

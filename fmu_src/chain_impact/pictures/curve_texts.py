@@ -30,7 +30,10 @@ LITTLE_CHANGE, CLOSE_UNITS = 0.1, ("m", "rad", "m/s", "rad/s")
 
 
 def quantity_text(names: Sequence[str], unit: str) -> str:
-    """Return words for what the curves of a panel show: "angular velocity", "position x", "total energy"."""
+    """Return words for what the curves of a panel show: "angular velocity", "position x", "total energy".
+
+    The result is "" if the names of the outputs, and the unit, tell no common quantity.
+    """
     part = shared_part(names)
     if part in VECTORS:
         return f"{VECTORS[part]} {part[-1]}"
@@ -46,8 +49,8 @@ def brief_names(names: Sequence[str]) -> dict[str, str]:
 
     The label of the axis tells the quantity (``quantity_text``). So the text is "link[1]" for
     link[1].angular_velocity if all outputs are angular velocities, and "kinetic" for energy.kinetic if all
-    are energies. An output without a number in brackets, and one among outputs of several quantities, keeps
-    its name.
+    are energies. If an output has no number in brackets, or the outputs have several quantities, all keep
+    their names.
     """
     if len(names) > 1 and all(name.startswith("energy.") for name in names):
         return {name: name.removeprefix("energy.") for name in names}
@@ -60,7 +63,7 @@ def values_at_onset(curves: Curves, names: Sequence[str]) -> dict[str, float]:
     """Return output → value at the onset for a panel that shows changes since the onset; else {}.
 
     A panel of a close view shows changes if each of its values changes by less than LITTLE_CHANGE, relative
-    to the largest |value|, but not if its unit is in MARKED_UNITS.
+    to the largest |value|, but not if its unit is in MARKED_UNITS, or a value is not finite.
     """
     if curves.onset is None or curves.units[names[0]] in MARKED_UNITS:
         return {}

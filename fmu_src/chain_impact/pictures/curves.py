@@ -88,7 +88,7 @@ def clear_panels(curves: Curves) -> list[list[str]]:
     All outputs of a panel have one unit. If a unit has more curves than PALETTE has colours, there is a panel
     for each quantity with this unit; the quantity is the last part of an output's name (``shared_part``). But
     if there would be more than MOST_PANELS panels in all, each unit has a single panel. A panel whose outputs
-    are 0 at all times is left out if there is another one.
+    are 0 at all times is left out if another panel has an output that is not.
     """
     panels: list[list[str]] = []
     for names in curves.panels:
@@ -256,7 +256,7 @@ def draw_all(
 ) -> list[list[Label]]:
     """Draw the curves of each panel into its axes, with lines at impacts, legend and labels.
 
-    Return for each panel the labels of the curves' largest |values| (``extremes``), which the caller places.
+    Return for each panel the labels of the curves' largest |values| (``extremes``), which are not drawn here.
 
     ``grid``: the axes of each panel. ``panels``: the names of the outputs in each panel. ``has_room_beside``:
     whether legends may stand beside the axes.
@@ -332,7 +332,10 @@ def draw_all(
 
 
 def dashes(number: int, unit: str) -> Any:
-    """Return the dashes of a curve in a ``unit``; short ones if the curve may have narrow peaks."""
+    """Return the dashes of a curve in a ``unit``; short ones if the curve may have narrow peaks.
+
+    ``number``: the index from 0 of the dashes in DASHES; the last ones replace dashes beyond them.
+    """
     row = min(number, len(DASHES) - 1)
     return (SHORT_DASHES if unit in MARKED_UNITS else DASHES)[row]
 

@@ -42,8 +42,8 @@ def known_changes(
     """Return whether changes to first order can hold, at T times for P parameters, shape (T, P).
 
     They hold until they exceed a range (``is_first_order_true``) or reverse the order of two impacts
-    (``keeps_order``). A gap of the curves (``drawn_rows``) before this time also ends the changes, so that
-    all curves of a parameter end at the last row that is True.
+    (``keeps_order``). Unless they hold to the end of the run, a gap of the curves (``drawn_rows``) that lasts
+    to this time also ends the changes, so that all curves of a parameter end at the last row that is True.
 
     ``relative_changes``, shape (T, P), is the largest of the ``shares`` of all drawn outputs.
     """
@@ -108,8 +108,9 @@ def with_small_steps(
     """Return derivatives with smaller steps of parameters that are 0, whose curves suit those of the others.
 
     1 % of 0 is 0, so that the step of such a parameter is arbitrary. The step gets the largest of STEP_PARTS
-    with which the changes of no output are more than MOST_OF_ZERO times those by all other parameters. Only
-    curves use these steps; the legend has their factors, and all numbers are for the whole step.
+    with which the changes of no output are more than MOST_OF_ZERO times the largest by another parameter, if
+    this is not 0; without such a part, the whole step stays. Only curves use these steps; the legend has
+    their factors, and all numbers are for the whole step. If all or no parameters are 0, nothing changes.
     ``is_known`` is the result of ``known_changes``.
     """
     is_zero = np.array([value == 0.0 for value in sensitivities.parameters.values()])

@@ -200,6 +200,6 @@ def _height_above(ratio: float, width: float) -> float:
 
 
 def _whole_height(ratio: float, width: float) -> float:
-    """Return the height [inches] of a panel of motion as wide as the figure, at most HIGHEST × ``width``."""
+    """Return the height [inches] of a panel of motion as wide as the figure (HIGHEST, NARROW_HIGHEST)."""
     highest = NARROW_HIGHEST if width < TWO_COLUMN_WIDTH else HIGHEST
     return min((width - MARGINS) / ratio, highest * width)

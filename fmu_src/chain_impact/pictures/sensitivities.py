@@ -6,7 +6,8 @@ A curve shows the derivative of an output with respect to a parameter, times a s
 (``Sensitivities.step``). So the curves of all parameters share an axis, in the unit of the output.
 
 The curves of a parameter, and the row of the table for it, end where changes to first order by this parameter
-no longer hold (``known_changes``). The headline names this time, and a mark stands at the end of each curve.
+no longer hold (``known_changes``). A mark stands at the end of each such curve. The line below the headline
+names this time for the parameter of the headline.
 """
 
 from __future__ import annotations
@@ -140,7 +141,7 @@ def draw_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
         handles.append(Patch(facecolor=OUTSIDE_COLOUR, label="no prediction"))
     legend_at_head(figure, handles)
     if given_sensitivities.limits:
-        write_foot(figure, "\n".join(given_sensitivities.limits), most_width=MOST_LIMITS)
+        write_foot(figure, "\n".join(given_sensitivities.limits), most_share=MOST_LIMITS)
     start_at_headline(figure)
     settle(figure)
     give_height(table, height)

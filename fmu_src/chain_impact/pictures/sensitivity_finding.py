@@ -73,8 +73,9 @@ def finding_of(
     The change is the largest one of ``_largest_changes`` that a run with the changed parameter confirms, or
     the largest of all if the run confirms none. The detail has the time of this change, the sizes of a larger
     change that the run does not confirm, and the time at which the changes end. Without a change, the
-    headline says that no parameter has an effect, or that there are no derivatives. ``checked`` is None
-    without a change, or if the run cannot be repeated.
+    headline says that no parameter has an effect, or that there are no derivatives, or, if all changes lie
+    in gaps, has only the step. ``checked`` is None without a change, or if the run cannot be repeated, which
+    counts as confirmed.
 
     Args:
         recording: the run.

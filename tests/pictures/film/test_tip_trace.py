@@ -51,6 +51,16 @@ def test_at_an_impact_the_trace_has_a_corner():
     assert path[:, 1].min() >= recording.points[..., 1].min()
 
 
+def test_one_component_of_the_velocity_is_as_good_as_none():
+    recording = simulate("bouncing_ball", output_step=0.05)
+    stored = recording.with_rows(np.arange(len(recording.time)))
+    with_x, without = (
+        replace(stored, columns={name: column for name, column in stored.columns.items() if end not in name})
+        for end in (".vy", ".v")
+    )
+    np.testing.assert_array_equal(trace_of(with_x, 1.0)[1], trace_of(without, 1.0)[1])
+
+
 def test_a_film_shows_it_up_to_the_present_tip():
     recording = record_slowly(load_scene("four_link_box").with_values({"simulation.stop_time": 0.6}))
     frames = np.linspace(0.0, 0.6, 13)

@@ -45,7 +45,8 @@ def headline(comparison: LawRuns[LawRecording], *, is_small: bool = False) -> st
 def rest_of_headline(comparison: LawRuns[LawRecording]) -> str:
     """Return what the short ``headline`` lacks: "peak force 1.2 to 1.5 kN for e = 0.7" or the number of laws.
 
-    The result is "" if no law has an e′ or a peak force.
+    The number of laws is told if the e′ do not describe the contact alone. Otherwise the result is "" if no
+    law has an e′ or no law has a peak force.
     """
     runs, e = laws_with_e(comparison), comparison.contact.restitution
     if not comparison.has_restitution:

@@ -127,10 +127,10 @@ def are_loops_equal(loop: np.ndarray | None, twin: np.ndarray | None) -> bool:
 
 
 def _is_covered(comparison: LawRuns[LawRecording], law: str, other_law: str) -> bool:
-    """Return whether the lines of a law cover those of another law, and the e′ with two decimals are equal.
+    """Return whether the lines of ``other_law`` cover those of ``law``.
 
-    The lines are the loop of force over penetration, and the energy over time. A law without a loop or
-    without a result is not covered.
+    The lines are the loop of force over penetration, and the energy over time; besides, the e′ with two
+    decimals must be equal. The result is False if one of the laws has no loop or no result.
     """
     run, other_run = comparison[law], comparison[other_law]
     loops = [loop for loop in (run.loop, other_run.loop) if loop is not None and loop.size]

@@ -50,7 +50,8 @@ LOOPS_ABOVE: Any = (1.5, 1.0)
 LEAST_NAMED = 4.3  # [inch] the least width of a figure with names of laws at the ends of lines
 LEAD_SHARE = 0.1  # longest time shown before the first impact, relative to the time shown after its onset
 # SETTLED: a change of an energy counts if it is larger than this part of the range of all energies;
-# TRAIL_SHARE: the time shown after the last change that counts, relative to the time from the first impact on
+# TRAIL_SHARE: the time shown after the last change that counts, relative to the time from the first impact to
+# this change
 SETTLED, TRAIL_SHARE = 0.02, 0.15
 
 
@@ -112,11 +113,11 @@ def conditions(comparison: LawRuns[LawRecording], looks: Looks, *, is_small: boo
     """Return the text below the headline.
 
     The text has these parts: effective mass and speed of the first impact; the reason if the e′ do not
-    describe the contact alone (``no_restitution``); a remark if the impact is not free; the e′ without
-    losses, if e′ is known, the contact is not ``pressed_again``, and e′ is not 1.00 or the impact not free;
-    stiffness and tolerance; the peak force of the law without e; the number of grey lines, unless the grey
-    lines are drawn as a band; the end of the runs, if the panel of energy does not show it. If ``is_small``,
-    for a narrow figure, ``rest_of_headline`` comes first.
+    describe the contact alone (``no_restitution``); the e′ without losses, with a remark if the impact is not
+    free, if this e′ is known, the contact is not ``pressed_again``, and e′ is not 1.00 or the impact is not
+    free; stiffness and tolerance; the peak force of the law without e; the number of grey lines, unless the
+    grey lines are drawn as a band; the end of the runs, if the panel of energy does not show it. If
+    ``is_small``, for a narrow figure, ``rest_of_headline`` comes first.
     """
     contact, impact = comparison.contact, comparison.first_impact
     names = ("effective_mass", "impact_speed", "peak_force", "max_penetration")
@@ -224,7 +225,7 @@ def band_label(comparison: LawRuns[LawRecording], band: Sequence[str], *, is_sma
 
 
 def peaks_of_band(comparison: LawRuns[LawRecording], band: Sequence[str]) -> str:
-    """Return the laws of a band with the least and the largest peak force as text; "" without forces."""
+    """Return the laws with the extreme peak forces: ": ye (1 kN) to flores (2 kN)"; "" without forces."""
     forces = {law: force for law in band if (force := comparison[law].peak_force) > 0.0}
     if not forces:
         return ""
@@ -279,7 +280,8 @@ def shown_span(comparison: LawRuns[LawRecording]) -> tuple[float, float]:
     """Return start and end of the axis of time of the energies [s].
 
     The axis starts shortly before the first impact, because all curves are equal before it, and ends shortly
-    after the last moment at which an energy under a law with losses differs from its end (SETTLED).
+    after the last moment at which an energy under a law with losses differs from its end (SETTLED); without
+    such a moment after the first impact, it ends with the longest run.
     """
     results = [run.result for run in comparison.runs if run.result is not None]
     spans = [shown_time(result) for result in results]
@@ -300,8 +302,8 @@ def shown_span(comparison: LawRuns[LawRecording]) -> tuple[float, float]:
 
 def draw_lines(axes: Axes, lines: dict[str, np.ndarray], looks: Looks) -> None:
     """Draw a line for each law; ``lines``: law → points of the line, shape (2, S)."""
-    for law, (times, energies) in lines.items():
-        axes.plot(times, energies, **looks[law])
+    for law, (x, y) in lines.items():
+        axes.plot(x, y, **looks[law])
 
 
 def dash_laws(*panels: Axes) -> None:
@@ -323,7 +325,8 @@ def dash_laws(*panels: Axes) -> None:
 def move_to_foot(figure: Figure, handles: Sequence[Any]) -> list[Any]:
     """Explain the entries of a legend that are no lines of laws at the foot of a figure, if there is room.
 
-    These entries are the crosses and the grey band. The result has the entries that the legend then needs.
+    These entries are the crosses and the grey band. The result has the entries that the legend then needs:
+    those of lines of laws or, if nothing is written at the foot, all ``handles``.
     """
     laws = [handle for handle in handles if isinstance(handle, Line2D) and handle.get_color() != GREY]
     other_handles = [handle for handle in handles if handle not in laws]
@@ -334,7 +337,10 @@ def move_to_foot(figure: Figure, handles: Sequence[Any]) -> list[Any]:
 
 
 def legend_handles(looks: Looks, *panels: Axes) -> list[Any]:
-    """Return the entries of the legend of panels: laws with a colour, laws of impulses, crosses, a band."""
+    """Return the entries of the legend of panels: laws with a colour, laws of impulses, crosses, a band.
+
+    The last one of ``panels`` must be that of the loops.
+    """
     styles = {look["label"]: Line2D([], [], **look) for look in looks.values() if look["color"] != GREY}
     lines = dict.fromkeys(line.get_label() for axes in panels for line in axes.lines)
     bands: list[Any] = [collection for axes in panels for collection in axes.collections]

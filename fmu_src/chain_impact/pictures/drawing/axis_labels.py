@@ -49,11 +49,12 @@ def look_like_one(first_box: Bbox, second_box: Bbox) -> bool:
 
 
 def break_labels(figure: Figure, wanted_axes: Sequence[Axes] | None = None) -> bool:
-    """Break labels that are longer than their axes, and thin out overlapping numbers along x.
+    """Break labels and headings that are longer than their axes, and thin out overlapping numbers along x.
 
     Along y, a label may be HIGH_LABEL times as long as the axis, and along x LABEL_RATIO times, but it is
-    also broken if it would reach beyond the figure's edges. ``wanted_axes``: the axes, by default all axes
-    of the figure. Returns whether the text of a label has changed.
+    also broken if it would reach beyond the figure's edges. A broken label along y that is still too long
+    becomes small. ``wanted_axes``: the axes, by default all axes of the figure. Returns whether the text of a
+    label or a title has changed.
     """
     earlier_labels = labels_of(figure)
     for axes in figure.axes if wanted_axes is None else wanted_axes:
@@ -86,7 +87,7 @@ def thin_ticks(axes: Axes) -> None:
 
     The number nearest to 0 stays if two numbers have room beside each other; else both ends have numbers.
 
-    Names of choices that would overlap are turned upright. Only these, and axes with ticks from a
+    Names of choices that would overlap are turned by 90°. Only these, and axes with ticks from a
     MaxNLocator, as by default, are changed.
     """
     if not numbers_meet(axes.xaxis):

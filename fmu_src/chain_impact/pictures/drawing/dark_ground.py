@@ -35,7 +35,8 @@ VISIBLE_CONTRAST = 3.0
 FAINT_CONTRAST = 2.0
 FAINT_GROWTH = 10.0
 GLARE = 0.05  # the luminance that a screen adds to each colour (WCAG 2.1)
-# The number of mixtures that are tried. MIXTURES: of a colour with white, by increasing part of white;
+# The number of mixtures that are tried. MIXTURES: of a colour with white, by increasing part of white, and of
+# a transparent colour with the ground, by increasing opacity;
 # GREY_MIXTURES: for a grey, of the colours of ground and text, by increasing part of text. The first mixture
 # that is light enough is taken; for a grey, the last mixture if no mixture is light enough.
 MIXTURES, GREY_MIXTURES = 41, 201
@@ -153,9 +154,9 @@ class Ground(NamedTuple):
                         label.set_color(colour)
 
     def _opacity(self, least_opacity: float, colour: Any, contrast: float) -> float:
-        """Return the least opacity ≥ ``least_opacity`` with which ``colour`` has a contrast to the ground.
+        """Return the least opacity with which ``colour`` has at least ``contrast`` to the ground.
 
-        The result is 1 if no opacity is enough.
+        MIXTURES opacities from ``least_opacity`` to 1 are tried; the result is 1 if none is enough.
         """
         low, high = np.array(to_rgb(self.ground)), np.array(to_rgb(colour))
         needed_luminance = least_luminance(self.ground, contrast)

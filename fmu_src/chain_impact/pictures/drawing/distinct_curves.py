@@ -139,7 +139,7 @@ def parts_with_dashes(lines: Sequence[np.ndarray]) -> list[list[tuple[np.ndarray
 
     Where lines nearly coincide (MERGING_DISTANCE), the first of them is solid, and the dashes of the others,
     which are drawn above it, alternate (``_dashes``). Elsewhere, and over lengths below LEAST_DASHED, a line
-    is solid. Lines with the same x are compared at each x, so that narrow peaks count, too.
+    is solid. If all lines have the same x, they are compared at each x, so that narrow peaks count, too.
 
     Args:
         lines: x and y of each line, each of shape (2, S), in the same axes.
@@ -249,10 +249,10 @@ def is_fast(x_values: np.ndarray, values: np.ndarray, bins: int, least_turn: flo
 
 
 def turning_rows(values: np.ndarray, least_turn: float) -> list[int]:
-    """Return the rows at which a curve turns, and its first and last row.
+    """Return the first row of a curve, and the rows at which it turns.
 
-    A turn counts if the value changes by at least ``least_turn`` until the next turn. ``values`` has the
-    shape (T,) and no missing value.
+    A turn counts if the value has changed by at least ``least_turn`` since the turn before; the last row may
+    count as a turn, too. ``values`` has the shape (T,) and no missing value.
     """
     steps = np.diff(values)
     moved_rows = np.flatnonzero(steps)  # the curve does not turn in the middle of equal values
@@ -275,7 +275,8 @@ def envelope(
 
     The least and the largest values join the lower and the upper turns of the curve (``turning_rows``), and
     contain the curve from its first to its last row. The mean is that of each period, from one upper turn to
-    the next one, at the middle of the period. ``x_values`` and ``values`` have the shape (T,).
+    the next one, at the middle of the period, and linear between these; without a whole period, it is that of
+    the whole curve. ``x_values`` and ``values`` have the shape (T,).
     """
     rows = np.array(turning_rows(values, least_turn))
     ends = []

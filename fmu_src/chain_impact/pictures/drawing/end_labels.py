@@ -35,7 +35,8 @@ def write_end_labels(axes: Axes, lines: Sequence[tuple[str, float, str]]) -> lis
     """Write names at the right of axes, so that the layout leaves room for them; ``spread`` places them.
 
     ``lines`` has the name, the height of the right end in data coordinates, and the colour of each line. If
-    many lines end at one height (FARTHEST), no name is written.
+    many lines end at one height (FARTHEST), no name is written. Returns the written names, in the order of
+    ``lines``.
     """
     (low, high), values = axes.get_ylim(), sorted(value for _, value, _ in lines)
     positions = (np.array(values) - low) / (high - low)
@@ -75,7 +76,7 @@ def spread(axes: Axes, labels: Sequence[EndLabel]) -> None:
 def spread_out(positions: np.ndarray, distance: float, low: float, high: float) -> np.ndarray:
     """Return ascending ``positions`` with at least ``distance`` between two, as little moved as possible.
 
-    All positions are from ``low`` to ``high`` if there is room.
+    All positions are from ``low`` to ``high`` if there is room; if not, those below ``low`` are too many.
     """
     groups: list[tuple[float, int]] = []  # mean and number of positions of each group of positions that touch
     for position in positions.tolist():

@@ -277,7 +277,7 @@ def lacking_for_axes(figure: Figure, mean: float) -> float:
 
 
 def texts_have_room(figure: Figure) -> bool:
-    """Return whether no text of a drawn figure is cut off or overlaps another one."""
+    """Return whether none of the ``text_boxes`` of a drawn figure is cut off or overlaps another one."""
     boxes = list(text_boxes(figure))
     whole_box = Bbox.union([figure.bbox, *boxes])
     is_within = (np.abs(whole_box.get_points() - figure.bbox.get_points()) <= OVERLAP_TOLERANCE).all()

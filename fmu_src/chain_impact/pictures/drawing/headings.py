@@ -29,6 +29,6 @@ def has_heading(axes: Axes) -> bool:
 
 
 def height_with_heading(axes: Axes) -> float:
-    """Return the height [pixels] from the lower edge of axes to the top of a heading with HEIGHT_COUNTS."""
+    """Return the height [pixels] of axes, up to the top of the heading if this has HEIGHT_COUNTS."""
     top = axes.title.get_window_extent().y1 if axes.title.get_gid() == HEIGHT_COUNTS else axes.bbox.y1
     return float(top - axes.bbox.y0)

@@ -21,7 +21,8 @@ LABEL_OFFSET = 4.0  # [points] the usual distance from a position to its label
 # tried. A leader is a line from the position to its label. Labels at the distances CLOSE_DISTANCES, which
 # come first, have no leader, and no strong pixel is between a position and its label (OWN_LINE) if the
 # distance is above TOUCHING. Then come the distances LEADER_DISTANCES, with a leader, whose visible part is
-# longer than 2 mm, or, if leaders are not allowed, UNLED_DISTANCES.
+# longer than 2 mm. If leaders are not allowed, the distances are the first two and UNLED_DISTANCES, and at
+# none of them is a strong pixel between.
 CLOSE_DISTANCES, TOUCHING = (1.0, 1.2, 1.4, 1.75, 2.1), 1.2
 UNLED_DISTANCES = (1.3, 1.5)
 LEADER_DISTANCES = (2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 9.0, 10.5, 12.5, 15.0)
@@ -209,12 +210,12 @@ def _place(
     assert figure is not None
     point, axes_box = figure.dpi / 72.0, axes.get_window_extent()
     may_lead = LEADER_DISTANCES[-1] in steps
-    is_beyond = (
+    right_end = (
         min(axes_box.x1 + FARTHEST_OUTSIDE * point, figure.bbox.x1 - LABEL_OFFSET * point)
         if may_lead
         else axes_box.x1
     )
-    highest = np.array([max(axes_box.x1, is_beyond), axes_box.y1])
+    highest = np.array([max(axes_box.x1, right_end), axes_box.y1])
     label_point = np.asarray(axes.transData.transform(label.position))
     style: dict[str, Any] = {
         "textcoords": "offset points",

@@ -22,7 +22,10 @@ SAMPLE_PIECES = 12  # the number of pieces of the sample of a line that has many
 
 
 class ManyColours(HandlerLineCollection):
-    """The sample of lines in a legend: a line in all colours of these lines, from the first to the last."""
+    """The sample of lines in a legend: a line in SAMPLE_PIECES of their colours, from the first to the last.
+
+    Lines with fewer colours have matplotlib's sample, in the first colour.
+    """
 
     def create_artists(self, legend: Any, orig_handle: Any, *box: Any) -> list[Any]:
         """Return the sample for the lines ``orig_handle``, with matplotlib's arguments for its ``box``."""
@@ -97,7 +100,7 @@ def legend_at_foot(figure: Figure, handles: Sequence[Any], **options: Any) -> No
 
 
 def legend_at_head(figure: Figure, handles: Sequence[Any]) -> None:
-    """Put a legend for all axes below the texts at the head of a figure, in as few rows as fit."""
+    """Put a legend with at least one entry below the texts at the head of a figure, in as few rows as fit."""
     top = head_of(figure)
     anchor = (LEFT_MARGIN / figure.get_figwidth(), 1.0 - top)
     height = _legend_of_figure(figure, handles, loc="upper left", bbox_to_anchor=anchor, **LOOK)

@@ -16,8 +16,8 @@ TITLE_HEIGHT = 1.6  # the height that the titles of panels take, relative to the
 def name_around(panels: Sequence[Axes], *, name_below: str, name_beside: str, name_above: str = "") -> None:
     """Write the name of the horizontal axes below a grid of panels, and of the vertical axes at its left.
 
-    ``name_above``: what the titles of the panels tell; it stands above these titles. Only panels at an outer
-    edge of the grid keep their numbers; a panel above an empty place has numbers along x, too.
+    ``name_above``: what the titles of the panels tell; it stands above these titles. Only panels at the left
+    edge keep numbers along y, and only those at the lower edge, or above an empty place, numbers along x.
     """
     figure, grid = panels[0].get_figure(root=True), grid_of(panels[0])
     assert figure is not None

@@ -251,22 +251,22 @@ def fitted_lines(figure: Figure, text: str, more_lines: int = 1) -> str:
     return str(probe.get_text())
 
 
-def write_foot(figure: Figure, text: str, most_width: float | None = None) -> Text | None:
+def write_foot(figure: Figure, text: str, most_share: float | None = None) -> Text | None:
     """Write a text at the foot of a figure, above earlier texts there; return matplotlib's object for it.
 
     A text without room is left out, and None is returned. All texts at the foot together take at most the
-    fraction ``most_width`` of the figure's height; by default FREE_FOOT if the contents of the figure
+    fraction ``most_share`` of the figure's height; by default FREE_FOOT if the contents of the figure
     determine this height, else MOST_FOOT.
     """
-    if most_width is None:
-        most_width = FREE_FOOT if getattr(figure, "free_height", False) else MOST_FOOT
+    if most_share is None:
+        most_share = FREE_FOOT if getattr(figure, "free_height", False) else MOST_FOOT
     (width, height), foot_height = figure.get_size_inches(), foot_of(figure)
     text_style: dict[str, Any] = {"fontsize": "small", "color": INK, "va": "bottom", "in_layout": False}
     foot = figure.text(LEFT_MARGIN / width, foot_height + 0.5 * GAP / height, "", **text_style)
     for more_lines in (1, 0):
         foot.set_text(fitted_lines(figure, text, more_lines))
         room = (foot.get_window_extent().height / figure.dpi + GAP) / height
-        if foot_height + room <= most_width:
+        if foot_height + room <= most_share:
             reserve_margins(figure, 0.0, foot_height + room)
             return foot
     foot.remove()
@@ -308,7 +308,10 @@ def reserve_margins(figure: Figure, top: float, bottom: float) -> None:
 
 
 def start_at_headline(figure: Figure) -> None:
-    """Let nothing beside the axes of a figure start farther left than the headline."""
+    """Let nothing beside the axes of a figure start farther left than the headline.
+
+    Nothing happens if the figure's layout is not constrained.
+    """
     engine = figure.get_layout_engine()
     if isinstance(engine, ConstrainedLayoutEngine):
         left, bottom_edge, width, height = engine.get()["rect"]
@@ -357,7 +360,7 @@ def drawn_figure(draw_contents: Callable[[Figure], None], size: tuple[float, flo
 def save(path: str | os.PathLike[str], make: Callable[[], Figure]) -> None:
     """Write the figure that ``make`` returns into a file, in colours that suit the style in use.
 
-    The suffix of the path determines the kind of the file.
+    The suffix of the path determines the kind of the file. A PNG also has the texts (``metadata_of``).
 
     Raises:
         OSError: when the file cannot be written.
@@ -376,7 +379,7 @@ def load_unit(largest_load: float, unit: str) -> tuple[float, str]:
 
 
 def force_text(value: float, unit: str) -> str:
-    """Return a value > 0 as text in the unit of ``load_unit``, with three significant digits: "12.3 kN"."""
+    """Return a value > 0, in three digits at most, in the unit of ``load_unit``: "12.3 kN", "0.5 N"."""
     value = float(f"{value:.3g}")  # 9.999 is 10.0, not 10.00
     if value < 1.0 and load_unit(value, unit)[1] == unit:
         return f"{value:.3g} {unit}"

@@ -117,8 +117,8 @@ class UsedPixels:
         """Take a box for a label, with its leader, if both are free; return whether they were free.
 
         ``low`` and ``high`` are the lower left and the upper right corner of the box in
-        pixels. A free box has no label and no drawn pixel. With ``on_pale`` only strong pixels count as
-        drawn.
+        pixels. A free box has no drawn pixel, and no label in it or within LABEL_SPACE beside it. With
+        ``on_pale`` only strong pixels count as drawn.
 
         With ``position`` the label has a leader, the straight line from ``position`` to the middle of the
         box. A free leader crosses no label. At most the part MOST_COVERED of its pixels are drawn pixels.

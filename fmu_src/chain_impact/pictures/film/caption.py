@@ -57,7 +57,7 @@ class Caption:
         The caption tells the latest impact that has begun or, in slow motion that is nearer to the onset of
         the next impact than to the end of this one, the next impact. It is empty before the first impact, and
         more than CAPTION_FRAMES frames after the end of the told contact; until then it becomes fainter. In
-        the last frame of a film, the caption tells the result of the run.
+        the last of several frames, the caption tells the result of the run. A film without captions has none.
         """
         if not len(self.times):
             return

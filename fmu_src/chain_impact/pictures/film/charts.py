@@ -105,7 +105,7 @@ def draw_charts(
 def _clear_left(panels: Sequence[Axes], edge: float) -> None:
     """Move the left ends of charts to the right until no number or label is left of ``edge``.
 
-    ``edge`` is relative to the width of the figure. Without room, the chain would cover a label.
+    ``edge`` is relative to the width of the figure. Left of it, the chain could cover a label.
     """
     figure = panels[0].get_figure(root=True)
     assert figure is not None
@@ -201,9 +201,9 @@ def largest_wall_force(recording: Recording, forces: dict[str, np.ndarray]) -> f
 
 
 def impulses_of_impacts(recording: Recording) -> np.ndarray:
-    """Return the impulse of each impact at a wall or a stop of a slider, shape (I,) [N·s], else 0.
+    """Return the impulse of each impact, shape (I,) [N·s]; 0 for an impact at a stop of a joint.
 
-    All values are 0 where impacts act by forces (``impact_values``).
+    All values are 0 if impacts act by forces (``impact_values``).
     """
     name, _, values = impact_values(recording, is_stop=False)
     return values if name in (IMPULSE, HIT_IMPULSE) else np.zeros(len(values))
@@ -230,7 +230,7 @@ def _draw_impulses(axes: Axes, recording: Recording, impulses: np.ndarray) -> Ch
 def _draw_forces(axes: Axes, recording: Recording, forces: dict[str, np.ndarray]) -> ChartPeak:
     """Draw the largest forces over time; return the peak of the largest of them.
 
-    For a wall force, the number in the peak's text is from the list of impacts, because the curve has the
+    For a wall force, the number in the peak's text is ``largest_wall_force``, because the curve has the
     forces at the rows only.
     """
     peak = max(float(force.max()) for force in forces.values())

@@ -211,7 +211,9 @@ class Film:
         return self.room
 
     def show(self, frame: int, rate: float) -> Iterable[Artist]:
-        """Move chain, walls, forces and texts to a frame; return the artists to draw, in order.
+        """Move chain, walls, forces and texts to a frame; yield the artists to draw, in order.
+
+        Nothing moves before the result is iterated over.
 
         Args:
             frame: the index of the frame, from 0.
@@ -337,6 +339,8 @@ class Film:
         self, point: np.ndarray, plane: HalfPlane, force: tuple[float, float], is_stuck: bool
     ) -> None:
         """Add the arrow of the contact force on a point; if the contact sticks, also a bar along the wall.
+
+        A force that is too small for ``ArrowScale.is_shown`` has no arrow.
 
         Args:
             point: position of the point [m].

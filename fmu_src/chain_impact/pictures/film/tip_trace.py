@@ -50,25 +50,29 @@ def _speeds(recording: Recording) -> np.ndarray:
     slope of the parabola through a row and its two neighbours or, in the first and the last row, as the slope
     of the line to the only neighbour.
     """
-    last = recording.points.shape[1] - 1
-    velocities = [recording.columns.get(f"point[{last}].v{axis}") for axis in "xy"]
-    if velocities[0] is not None and velocities[1] is not None:
-        return np.stack([velocities[0], velocities[1]], axis=-1)
+    if _has_velocity(recording):
+        last = recording.points.shape[1] - 1
+        return np.stack([recording.columns[f"point[{last}].v{axis}"] for axis in "xy"], axis=-1)
     slopes = [np.gradient(coordinate, recording.time) for coordinate in recording.points[:, -1].T]
     return np.stack(slopes, axis=-1)
+
+
+def _has_velocity(recording: Recording) -> bool:
+    """Return whether a recording has both components of the tip's velocity."""
+    last = recording.points.shape[1] - 1
+    return all(f"point[{last}].v{axis}" in recording.columns for axis in "xy")
 
 
 def _is_straightened(recording: Recording) -> np.ndarray:
     """Return, for each pair of successive rows, whether an impact makes the path straight, shape (T − 1,).
 
     The path is straight between the two rows around an onset, because the velocity changes fast there. If the
-    recording lacks the tip's velocity, the velocities from positions are wrong in these two rows. The path is
-    then also straight in the interval of rows before this one, and in the interval after it.
+    recording lacks a component of the tip's velocity, the velocities from positions are wrong in these two
+    rows. The path is then also straight in the interval of rows before this one, and in the one after it.
     """
     impact_rows = np.searchsorted(recording.time, recording.impacts["onset"], side="right") - 1
     broken = np.zeros(len(recording.time) - 1, bool)
-    has_velocity = f"point[{recording.points.shape[1] - 1}].vx" in recording.columns
-    for row_shift in (0,) if has_velocity else (-1, 0, 1):
+    for row_shift in (0,) if _has_velocity(recording) else (-1, 0, 1):
         rows = impact_rows + row_shift
         broken[rows[(rows >= 0) & (rows < len(broken))]] = True
     return broken

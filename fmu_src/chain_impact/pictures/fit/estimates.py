@@ -59,12 +59,13 @@ def reserve_estimates(figure: Figure, parameters: Sequence[FittedParameter]) -> 
 
 
 def draw_estimates(figure: Figure, parameters: Sequence[FittedParameter], foot: float) -> None:
-    """Draw a row for each parameter: its start, the end of its 95 % interval, and its value as text.
+    """Draw a row for each parameter: its start, the farther end of its 95 % interval, and its value as text.
 
     Both are drawn as distances from the estimate, relative to it, on a logarithmic axis: the start is as far
-    as the estimate has moved, the end of the interval as far as the estimate is uncertain. A parameter whose
-    distance is not known has no mark. In a wide figure the names stand at the left and the values at the
-    right; in a narrow one both stand above the marks. ``foot``: the result of ``reserve_estimates``.
+    as the estimate has moved, the end of the interval as far as the estimate is uncertain. A distance that is
+    not known has no mark. In a wide figure the names stand at the left, start and value as text at the right;
+    in a narrow one names and values stand above the marks. Parameters beyond MOST_ROWS_OF_ESTIMATES have no
+    row. ``foot``: the result of ``reserve_estimates``.
     """
     is_small, rows = is_narrow(figure), list(parameters[:MOST_ROWS_OF_ESTIMATES])
     axes = figure.add_axes((0.3, 0.1, 0.3, 0.1))

@@ -23,7 +23,7 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import NO_WALL
 
 RING_SIZE = 6.5  # [points] the diameter of the ring at an impact
-PEAK_WIDTH = 2.0  # [points] the width of the line of a ring for the largest force
+PEAK_WIDTH = 2.0  # [points] the width of the line of a ring in PEAK_COLOUR
 SQUARE_SIZE = 4.0  # [points] the size of the mark where a contact, a joint or a slider sticks
 # the least cosine of the angle between the direction into a wall and the way from a ring at this wall to its
 # number, which so stands beyond the wall

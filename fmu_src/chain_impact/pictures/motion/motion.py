@@ -214,8 +214,9 @@ def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
 def small_reach(recording: Recording, corners: np.ndarray) -> str:
     """Return words for the reach of a motion that the marks of the chain hide, else "".
 
-    For example "moves within 2 mm", in two lines. The motion is hidden if no point moves farther than
-    HIDDEN_REACH, relative to the larger side of the view with the ``corners`` [m].
+    For example "moves within 2 mm", in two lines. The motion is hidden if no point moves as far along x or y
+    as HIDDEN_REACH, relative to the larger side of the view with the ``corners`` [m]. A flat motion, whose
+    y is enlarged, is not.
     """
     reach = float(np.ptp(recording.points, axis=0).max())
     if is_flat(recording) or not 0.0 < reach < HIDDEN_REACH * np.ptp(corners, axis=0).max():

@@ -76,8 +76,9 @@ def energy_curves(recording: Recording) -> list[tuple[np.ndarray, dict[str, Any]
 
     The values are those of ``recording.detailed_energies``, but ``without_gap`` may have added a number [J]
     to the potential and the total energy. If so, the labels of these two energies tell the number. The curve
-    of the total energy is wide, and behind other curves. A friction loss or a supplied energy that nearly
-    equals the dissipated energy has no curve of its own; the label of the dissipated energy names it.
+    of the total energy is wide, and behind other curves. A small elastic energy (VISIBLE_ELASTIC) has no
+    curve. Nor has a friction loss or a supplied energy that nearly equals the dissipated energy; the label of
+    the dissipated energy names it.
     """
     shown_curves, offset = shown_energies(recording)
     if "elastic" in shown_curves and not shown_curves["elastic"].max() > VISIBLE_ELASTIC * range_of(

@@ -316,9 +316,9 @@ def point_groups(recording: Recording, tops: np.ndarray) -> list[tuple[str, dict
 def number_impacts(axes: Axes, recording: Recording, used_pixels: UsedPixels) -> None:
     """Write numbers of impacts at their marks, where pixels are free.
 
-    If ``numbered_step`` is a number k > 1, every k-th impact gets a number. Otherwise all impacts get one or,
-    without room for that, the impacts with the highest marks, as many as have room, and the last impact if it
-    has room (``label_subsets``); impacts whose marks coincide share a label (``numbers_of``). A number that
+    If ``numbered_step`` is a number k > 1, every k-th impact gets a number, if these have room. Otherwise all
+    impacts get one or, without room for that, those with the highest marks, as many as have room, and the
+    last (``label_subsets``); impacts whose marks coincide share a label (``numbers_of``). A number that
     would be nearer to the mark of another impact has no room, except for every k-th. If an impact in
     ``marked_peaks`` has a label of its own, this label also has the force, moment or impulse, if there is
     room.

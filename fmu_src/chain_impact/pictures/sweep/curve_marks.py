@@ -39,8 +39,9 @@ def is_largest_value(quantity: Quantity) -> bool:
 def joined_pairs(runs: SweepRuns, quantity: Quantity, lines: Sequence[np.ndarray]) -> list[np.ndarray]:
     """Return for each line in a panel whether a segment joins each point with the next one, shape (R - 1,).
 
-    Two points are joined if their runs have the same number of impacts; points of a largest value also if the
-    value does not jump between them. If fewer than LEAST_JOINED of all pairs are joined, none is.
+    Two points with values are joined if their runs have the same number of impacts; points of a largest value
+    also if the value does not jump between them. If fewer than LEAST_JOINED of all pairs of successive points
+    with values are joined, none is.
     ``lines``: the indices of the runs of each line, in the order of the line, shape (R,).
     """
     values, joined_lines = quantity.values_or_nan(runs), list[np.ndarray]()

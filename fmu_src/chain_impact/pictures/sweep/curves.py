@@ -66,8 +66,9 @@ def draw_curves(
     abscissa: Variation,
     choice: Variation | None = None,
 ) -> None:
-    """Draw each quantity over a parameter in its panel, with a cross at the foot for each failed run.
+    """Draw each quantity over a parameter in its panel.
 
+    At the foot, a failed run has a cross, and a run ``is_without_touch`` a ring.
     Samples are points without lines. All other runs have a mark or, on lines with many of them, a dot; of
     such lines, the points of ``has_marks`` have marks. ``ring_hidden_marks`` shows marks below others.
 

@@ -32,8 +32,8 @@ class Effects:
     """The effects of varied parameters on a result in R runs.
 
     Attributes:
-        of_names: name of a parameter → its effect in each run, shape (R,), with the mean 0; if ``is_factor``,
-            on the logarithm of the result.
+        of_names: name of a parameter → its effect in each run, shape (R,); if ``is_factor``, on the logarithm
+            of the result. The mean over all runs with a known result is 0.
         is_factor: whether the effects are factors.
         degree: the degree of the polynomials.
         explained: the part of the variance of the result, or of its logarithm, that the fit has.
@@ -87,7 +87,7 @@ class Effects:
 
 
 def effects_on(runs: SweepRuns, quantity: Quantity, variations: Sequence[Variation]) -> Effects | None:
-    """Return the effects of ``variations`` on a result; None if it is equal or known in too few runs."""
+    """Return the effects of ``variations`` on a result; None if its values are equal, or too few known."""
     values = quantity.values_or_nan(runs)
     is_known = np.isfinite(values)
     if not is_known.any() or not np.ptp(values[is_known]):

@@ -258,7 +258,8 @@ def edges_of(values: np.ndarray, *, logarithmic: bool, integer: bool) -> np.ndar
     """Return the edges of the bars for some values, in ascending order.
 
     The edges are equally spaced, with ``logarithmic`` in the logarithm. With ``integer``, but not
-    ``logarithmic``, the values must be whole numbers, and each edge is a whole number minus 0.5.
+    ``logarithmic``, the values must be whole numbers, and each edge is a whole number minus 0.5. Other values
+    that are equal up to round-off (ONE_BAR_SPREAD) share one bar.
     """
     # 2 N^(1/3) bars for N values: Terrell & Scott, J Am Stat Assoc 80 (1985) 209
     count = min(MOST_BINS, math.ceil(2.0 * len(values) ** (1.0 / 3.0)))

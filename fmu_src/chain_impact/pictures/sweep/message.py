@@ -94,7 +94,7 @@ def result_text(quantity: Quantity, values: np.ndarray, effect: str) -> str:
 
 
 def effect_text(runs: SweepRuns, quantity: Quantity) -> str:
-    """Return words for what a result depends on, such as "rises mostly with stiffness"."""
+    """Return words for what a result depends on, "rises mostly with stiffness"; "" if nothing is clear."""
     variations, values = varying_in(runs.design), quantity.values_or_nan(runs)
     is_known = np.isfinite(values)
     if not is_known.any() or not np.ptp(values[is_known]):
@@ -198,8 +198,8 @@ def share_of(runs: SweepRuns, variation: Variation, values: np.ndarray) -> tuple
 def no_impact_text(runs: SweepRuns, quantity: Quantity) -> str:
     """Return words for the runs in which nothing touches that a quantity could measure; "" if there are none.
 
-    The words tell the number of these runs; or, if they are all runs with the least or the largest values of
-    a varied number, these values.
+    The words tell the number of these runs; or that they are all; or, if they are exactly all runs with the
+    least or the largest values of a varied number, these values.
     """
     is_missed = quantity.is_without_touch(runs)
     if not is_missed.any() or is_missed.all():

@@ -36,8 +36,8 @@ SAME_PEAK = 1e-3
 # the energy that is supplied or taken at the end is told only if it exceeds this, relative to the dissipated
 # energy, or if it oscillates (MANY_TURNS)
 LITTLE_SUPPLIED = 0.01
-# An energy oscillates if it turns more than MANY_TURNS times. A turn counts if the energy changes at least by
-# LARGE_TURN until the next turn, relative to its range.
+# An energy oscillates if it has more than MANY_TURNS ``turning_rows``, between which it changes at least by
+# LARGE_TURN, relative to its range.
 MANY_TURNS, LARGE_TURN = 12, 0.25
 # words for the impulse of a contact, and for the part of this impulse without the time integral of the force
 IMPULSE, HIT_IMPULSE = "impulse", "hit impulse"
@@ -293,8 +293,8 @@ def load_text(recording: Recording, digits: int = 5) -> str:
     """Return words for the largest force in a joint: "joint 2 bears up to 621 N in the run, at 0.4977 s".
 
     If the recording does not have the forces, they come from a repeated run. The result is "" if no joint
-    bears a force, or if the forces remain unknown. The time has ``digits`` significant digits. If impacts act
-    by impulses, "without impulses" replaces "in the run".
+    bears a force, or if the forces remain unknown. The time has ``digits`` significant digits; "by" replaces
+    "at" before the time of a row. If impacts act by impulses, "without impulses" replaces "in the run".
     """
     known_peaks = joint_peaks(recording)
     if not known_peaks and (

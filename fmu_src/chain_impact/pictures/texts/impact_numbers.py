@@ -77,7 +77,8 @@ def numbers_of(rows: Sequence[int]) -> tuple[str, str]:
 def number_list(numbers: Iterable[int]) -> str:
     """Return whole numbers as text, ascending; LEAST_RUN or more successive ones are a range: "3, 7–9".
 
-    More than MOST_IN_LABEL numbers with equal distances are told by the first two and the last: "1, 3 … 9".
+    More than MOST_IN_LABEL numbers with equal distances above 1 are told by the first two and the last one:
+    "1, 3 … 9".
     """
     ordered = sorted(set(numbers))
     steps = {later_number - number for number, later_number in pairwise(ordered)}
