@@ -1,4 +1,4 @@
-"""The pairs of a point and a wall between which contact is possible."""
+"""The pairs of a point and a wall between which contact is possible, and the stops of joints."""
 
 from chain_impact import load_scene
 from chain_impact.kernel.record.constants import WALLS

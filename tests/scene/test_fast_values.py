@@ -1,8 +1,10 @@
 """Changed numbers without a new reading of the whole scene."""
 
+import math
+
 import pytest
 
-from chain_impact import SceneError, load_scene
+from chain_impact import SceneError, SceneWarning, load_scene
 from chain_impact.scene import scene as module
 from chain_impact.scene.fast_values import with_numbers
 
@@ -73,3 +75,13 @@ def test_faults_are_told_as_ever():
         scene.with_values({"contact.restitution": 1.3})
     with pytest.raises(SceneError, match=r"initial: point 0 at .* deep in the wall x_max"):
         scene.with_values({"initial.x": 1e3})
+
+
+def test_a_fast_change_of_the_start_leaves_each_warning_to_the_reader():
+    arm = load_scene("pinned_arm")
+    beyond = {"initial.x": arm.box.x_max + 0.1, "initial.angle[1]": math.pi, "initial.angle[2]": math.pi}
+    with pytest.warns(SceneWarning, match=r"pinned base .* is 0\.1 m beyond the wall x_max"):
+        arm.with_values(beyond)
+    given = arm.with_values({"initial.joint_angles": [4.0, -4.0]})
+    with pytest.warns(SceneWarning, match=r"initial\.joint_angles\[2\] = -8 rad is 1\.27 turns"):
+        given.with_values({"initial.angle[2]": -4.0})

@@ -23,7 +23,7 @@ SOURCE = "somewhere/scene.toml"
 
 
 def toml(value) -> str:
-    """Write one TOML value."""
+    """Return a value as the text that TOML has for it."""
     if isinstance(value, list):
         return f"[{', '.join(map(toml, value))}]"
     if isinstance(value, dict):

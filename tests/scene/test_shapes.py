@@ -1,4 +1,4 @@
-"""Links that are boxes: every change moves their corners and changes their inertia."""
+"""Links that are boxes: length and height move their corners and, with the mass, change their inertia."""
 
 import tomllib
 from functools import partial
@@ -110,7 +110,7 @@ def test_a_height_is_fitted():
 
 
 def test_a_centre_of_mass_may_lie_behind_its_joint():
-    """A rod has its centre of mass at −1 m, a value that once meant "derived"."""
+    """The centre of mass may also be at −1 m: no number stands for a value that is not given."""
     scene = load_scene("simple_pendulum")
     ahead, behind = (
         scene.with_values({"link[1].center_of_mass": c, "initial.angles": [angle]})

@@ -63,7 +63,7 @@ def request_hint(scene: SceneContents, name: str) -> str:
     """Return the end of an error on the input ``name``, which the scene lacks.
 
     The end tells why the scene cannot have the input, or how to add the input; else it names the input with
-    the most similar name or, if no name is similar, all inputs that the scene has.
+    the most similar name or, if no name is similar, all inputs that the scene has, or "it has none".
     """
     key, possible_inputs = input_key(name), list(inputs_of(scene))
     possible = [

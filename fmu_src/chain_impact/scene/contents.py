@@ -206,8 +206,9 @@ class SceneContents:
 def named_point_hint(scene: SceneContents, name: str, known_names: Collection[str]) -> str | None:
     """Return a hint for the name of a value that has a point's name in place of the point's number.
 
-    The hint for ``toe.x`` or ``point[toe].x`` is "toe is the name of a point: point[4].x". The result is None
-    if no point's name is in ``name``, or if the name with the number is not in ``known_names``.
+    The hint for ``toe.x`` or ``point[toe].x`` is "toe is the name of a point: point[4].x", or with
+    link[2].point[1].x if only this is in ``known_names``. The result is None if neither is, or if no point's
+    name is in ``name``.
     """
     entries = Counter[int]()
     for number, (link, site) in enumerate(scene.chain.sites, len(scene.chain.links) + 1):

@@ -22,7 +22,8 @@ def paths_in_scene(paths: Iterable[DataPath], data: Mapping[str, Any]) -> Iterat
     """Yield the paths in the scene of the values that have the ``paths`` in ``data``, the data of a file.
 
     In the file, an entry of links with a count stands for several links; in the scene, each link has an
-    entry. So the path of a key of such an entry gives a path for each of these links.
+    entry. So the path of a key of such an entry gives a path for each of these links. A path into a list or
+    table of a link is not changed.
     """
     counts = [entry.get("count") or 1 for entry in data["chain"]["links"]]
     links = [range(*ends) for ends in pairwise(accumulate(counts, initial=0))]
@@ -48,7 +49,7 @@ def path_in_file(path: DataPath, data: Mapping[str, Any]) -> DataPath:
 
 
 def without_derived(data: Any, derived: Iterable[DataPath], kept_paths: Container[DataPath] = ()) -> None:
-    """Remove the values at the paths ``derived``, except ``kept_paths``, from the plain data of a scene."""
+    """Remove the values at the paths ``derived``, except ``kept_paths``, from plain ``data`` of a scene."""
     # long paths come first: a derived table is removed after the derived values in it
     for path in sorted(derived, key=len, reverse=True):
         if path not in kept_paths:

@@ -13,13 +13,18 @@ from collections.abc import Callable, Mapping
 from dataclasses import fields
 from typing import Any, TypeVar
 
-from chain_impact.scene.checks.checks import check_joint_angles, check_start, start_hints
+from chain_impact.scene.checks.checks import (
+    angle_hints,
+    base_hints,
+    check_joint_angles,
+    check_start,
+    start_hints,
+)
 from chain_impact.scene.contents import AnyScene, SceneContents
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.keys.chain_tables import Link
 from chain_impact.scene.keys.tables import Contact, Initial, Simulation, Solver
 from chain_impact.scene.rules.key_rules import keeps_rules, key_fields
-from chain_impact.scene.texts.angles import radians_hint
 from chain_impact.scene.texts.names import AXES, DataPath, name_of
 
 SceneTable = TypeVar("SceneTable")
@@ -98,7 +103,10 @@ def _with_number(
 
 
 def _value(given_value: Any, metadata: Mapping[str, Any]) -> Any:
-    """Return a value as a finite float or, if the key has choices, as a text; None if it is neither."""
+    """Return a value as a finite float or, if the key has choices, as a text; None for any other value.
+
+    Other values are also numbers of types other than int and float, such as numpy's integers.
+    """
     if metadata["choices"]:
         return given_value if isinstance(given_value, str) else None
     if (
@@ -192,8 +200,11 @@ def _metadata_of_links() -> dict[str, Mapping[str, Any]]:
 
 
 def _is_valid_start(scene: SceneContents) -> bool:
-    """Return whether the positions and angles at the start pass all checks and cause no warning."""
-    if any(radians_hint("", angle, "rad") for angle in scene.initial.angles) or start_hints(scene):
+    """Return whether the positions and angles at the start pass all checks and cause no warning.
+
+    Angles other than those of the start must be without a warning, too.
+    """
+    if angle_hints(scene) or start_hints(scene) or base_hints(scene):
         return False
     try:
         check_start(scene)

@@ -174,9 +174,10 @@ class Reader:
         }
 
     def _unknown_key_error(self, table: Any, path: DataPath, name: Any) -> SceneError:
-        """Return the error on an unknown key `name` of `table`, with the most similar key of any table.
+        """Return the error on an unknown key `name` of `table`, with the most similar key of `table`.
 
-        If no key is similar, the error lists the keys of `table`.
+        If none is similar, the error has the first key of another table that is equal or has one typo less;
+        without such a key, it lists the keys of `table`.
         """
         key_path, name = (*path, name), value_text(name).strip("'")
         known_keys = [entry.name for entry in key_fields(table)]
@@ -305,7 +306,7 @@ def meant_number(value: Any, unit: str) -> str:
 
 
 def decimal_comma(value: Any) -> str:
-    """Return a hint how to write a number with a decimal comma, given as text; "" for any other value."""
+    """Return a hint for a text that begins with a decimal comma, as "0,5 m"; "" for any other value."""
     match = re.match(r"\s*([+-]?\d+),(\d+)", value) if isinstance(value, str) else None
     return f"; a number has a decimal point: {match[1]}.{match[2]}" if match else ""
 

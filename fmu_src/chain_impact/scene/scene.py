@@ -79,7 +79,7 @@ class Scene(SceneContents):
 
     @property
     def moving_walls(self) -> tuple[str, ...]:
-        """The names of the walls in ``inputs.wall_motion``, in the order of ``wall_names``."""
+        """The names of the existing walls in ``inputs.wall_motion``, in the order of ``wall_names``."""
         return tuple(wall["name"] for wall in SceneFacts(self)["moving_walls"])
 
     @property
@@ -229,7 +229,8 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[tuple[A
     path can replace a name: `("chain", "links", 0, "mass")`.
 
     The new value None removes the key, so that its default applies. All other given values stay, and derived
-    values follow the given values, as after an edit of the scene file.
+    values follow the given values, as after an edit of the scene file. Each probable mistake that the changes
+    bring gives a SceneWarning.
 
     Raises SceneError when a name is unknown, a path leads nowhere, or the scene becomes invalid.
     """
@@ -278,7 +279,7 @@ JOINT_ANGLES_PATH = ("initial", "joint_angles")  # this key may be given in plac
 def fixed_hint(scene: Scene, name: str) -> str | None:
     """Return a hint how to change the value ``name`` of the scene, which cannot change during a run.
 
-    The result is None if the scene has no such value.
+    The result is None if the scene has no such value, or if the value is None.
     """
     is_given = scene.values.get(name) is not None
     return "change it in the scene file, with --set or with_values" if is_given else None

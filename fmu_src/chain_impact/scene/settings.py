@@ -12,7 +12,7 @@ from chain_impact.scene.scene import Scene
 def with_settings(scene: Scene, settings: Mapping[str, Any]) -> Scene:
     """Return the scene with some values set by name, as ``scene.with_values`` does.
 
-    A value that is a text is read as in TOML, so that "2" becomes a number.
+    A value that is a text is read as by ``parsed_value``, so that "2" becomes a number.
 
     Raises:
         SceneError: when a name is unknown or a value is out of range.

@@ -163,7 +163,7 @@ def _interpolate_table(
 
     The first has the starts of the polynomials and the end of the last one, shape (R + 1,) [s]. The second
     has the coefficients of the powers 0 to P − 1 of the time since the start of each polynomial, shape (R,
-    P). A table with a single row gives R = 0. ``sample_times`` and ``values`` are times [s] and values of the
+    P). A table whose rows all have one time gives R = 0. ``sample_times`` [s] and ``values`` are those of the
     rows.
     """
     kind, lasts = joined_by(signal, quantity), np.diff(sample_times)

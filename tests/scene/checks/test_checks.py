@@ -31,7 +31,7 @@ def refused(*changes) -> str:
 
 
 def table():
-    """Return scene, changes and the begin of the message, from the lines of refused.txt."""
+    """Yield name of a scene, changes, and the beginning of the message, from each case in refused.txt."""
     scene = None
     for line in Path(__file__).with_name("refused.txt").read_text(encoding="utf-8").splitlines():
         if line.startswith("["):
@@ -47,7 +47,7 @@ def value_of(text):
 
 
 def change(text):
-    """Return name or path, and value."""
+    """Return the name (with dots) or the path (with slashes) of a value, and the value, from their text."""
     name, value = text.split(" = ", 1)
     path = tuple(int(part) if part.isdigit() else part for part in name.split("/"))
     return (path if "." not in name else name), value_of(value)

@@ -1,4 +1,4 @@
-"""Refused signals of a scene and their messages; a driven input is no longer an input."""
+"""Refused signals of a scene and their messages; a driven input is an output of the scene."""
 
 # Tests: scene/keys/signal_tables.py
 

@@ -1,6 +1,7 @@
 """Text files from other programs: encodings, decimal commas, separators; scenes and tables alike."""
 
 import itertools
+import warnings
 
 import numpy as np
 import pytest
@@ -26,7 +27,7 @@ READERS = {
     "recording": (lambda path: read_csv(path, {}), TABLE, "not a table of numbers: {}"),
     "measurements": (read_table, TABLE, "not a CSV table: {}"),
 }
-"""Reader of a file, a text for the reader, and the exception for a bad file."""
+"""Name of a reader → the reader, a text for it, and its message on a bad file, with {} for the reason."""
 
 
 @pytest.fixture(params=READERS)
@@ -189,9 +190,9 @@ def test_a_centre_of_mass_beyond_the_link_is_allowed_and_pointed_at():
         scene = parse_scene(text, "rod.toml")
     assert [(str(warning.message), warning.filename) for warning in caught] == [(hint, __file__)]
     assert scene.chain.links[0].center_of_mass == 25.0
-    parse_scene(SCENE, "rod.toml").with_values(
-        {"link[1].center_of_mass": 2.0}
-    )  # without a comment, only the end of the text differs
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", SceneWarning)
+        parse_scene(SCENE, "rod.toml").with_values({"link[1].center_of_mass": 2.0})
 
 
 def test_a_step_longer_than_the_simulation_is_allowed_and_pointed_at():

@@ -78,7 +78,7 @@ def test_each_key_of_stops_has_a_rule_for_scenes_without_stops():
 
 
 def test_no_rule_names_a_key_that_changes_without_the_rules():
-    """``with_values`` leaves a restitution of 0 and the velocity of a held base to the rules."""
+    """``with_numbers`` leaves a restitution of 0, and the velocity of a held base, to a full reading."""
     alone = {
         entry.name for table in (Contact, Link) for entry in key_fields(table) if entry.metadata["alone"]
     }

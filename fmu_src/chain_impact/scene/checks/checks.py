@@ -36,8 +36,8 @@ FAR_POINT = 30.0
 def check(scene: SceneContents) -> None:
     """Raise a SceneError if the scene fails a check of this module, of rule_checks.py or of signal_checks.py.
 
-    The error ends with the sentences of ``angle_hints``, because an angle in degrees by mistake is often the
-    cause.
+    ``check_given_rules`` is left out: it checks a scene before its completion. The fault of the error ends
+    with the sentences of ``angle_hints``, because an angle in degrees by mistake is often the cause.
     """
     try:
         check_together(scene)
@@ -224,7 +224,7 @@ def start_hint(axis: str, start: float, given_value: float) -> str:
 
 
 def base_hints(scene: SceneContents) -> list[str]:
-    """Return a sentence for each wall beyond which a pinned base, taken without radius, is at the start.
+    """Return a sentence for each wall that a pinned base, taken without radius, is beyond at the start.
 
     Such a start is allowed, because walls do not act on a pinned base; but the wall is probably misplaced.
     """

@@ -53,7 +53,7 @@ def check_file_rules(scene: SceneContents) -> None:
 def check_refusal_rules(scene: SceneContents, rules: Sequence[RefusalRule], scene_value: ValueOf) -> None:
     """Raise the error of the first of ``rules`` whose condition is true in the scene.
 
-    ``scene_value`` gives the value of a name with dots in a rule.
+    ``scene_value`` gives the value of a key of the file, such as ``box.x_min``, that a rule names.
     """
     tables: dict[str, list[tuple[DataPath, ValueOf]]] = {"": [((), scene_value)]}
     for table_kind, list_name in (("link", "chain.links"), ("wall", "walls")):

@@ -28,7 +28,7 @@ REST_TOLERANCE = 1e-12
 
 
 def check_signals(scene: SceneContents) -> None:
-    """Refuse signals that cannot drive their inputs, and inputs that two signals drive."""
+    """Refuse signals that cannot drive their inputs, and inputs that signals drive twice."""
     owners: dict[str, str] = {}
     for name, signal in scene.signals.items():
         _check_inputs(scene, name, signal)

@@ -37,7 +37,7 @@ def outline(discs: Iterable[Disc]) -> np.ndarray:
     """Return the corners of the convex hull of discs, anticlockwise, shape (C, 2) [m] (Andrew, 1979).
 
     Each disc counts as a regular polygon with CIRCLE_CORNERS corners on its rim, or as a point if its radius
-    is 0.
+    is not > 0. A single point is its own hull.
     """
     turn = math.tau / CIRCLE_CORNERS
     rims = [
@@ -130,7 +130,7 @@ def size_of_motion(points: np.ndarray) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Rail:
-    """The line along which a base slides; a position on the line is the distance [m] from ``origin``.
+    """The line along which a base slides; a position on it is the signed distance [m] from ``origin``.
 
     Attributes:
         origin: the point of the line with the position 0, shape (2,) [m].

@@ -11,9 +11,9 @@ from chain_impact.scene.contents import SceneContents
 from chain_impact.scene.display.bodies import outlines_from, placed_corners, rail_from
 
 LONGER_SIDE = 240  # number of pixels of the longer side of the drawing
-# both divided by the longer side of the rectangle around all points: SCENE_MARGIN is the width of the free
-# border inside the drawing; a wall is drawn if its distance from the point nearest to it is at most
-# DRAWN_WITHIN
+# both divided by the longer side of the rectangle around all points, or by contact.radius if this is larger:
+# SCENE_MARGIN is the width of the free border inside the drawing; a wall is drawn if its distance from the
+# point nearest to it is at most DRAWN_WITHIN
 SCENE_MARGIN, DRAWN_WITHIN = 0.15, 1.0
 # lengths divided by the longer side of the drawing
 LINK_WIDTH = 0.012  # the width of links

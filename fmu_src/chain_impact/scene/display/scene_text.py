@@ -11,8 +11,8 @@ from chain_impact.scene.facts import friction_joints
 from chain_impact.scene.keys.tables import Material
 from chain_impact.scene.texts.unit_text import stiffness_unit
 
-# largest number of entries of a list in the text of a scene; a longer list has its first entries, … and its
-# last one
+# largest number of entries of a list of numbers or joints in the text of a scene; a longer list has its first
+# entries, … and its last one
 SHOWN_ENTRIES = 6
 TEXT_WIDTH = 100  # largest number of characters in a line of the text of a scene; a longer line is cut
 

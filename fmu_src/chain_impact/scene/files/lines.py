@@ -36,23 +36,23 @@ def line_of(text: str, path: DataPath) -> int | None:
     table: DataPath = ()
     counts: dict[DataPath, int] = {}
     # the quotes that began a text over several lines; "" outside of such a text, in which no keys are sought
-    table_name = ""
+    open_quotes = ""
     for number, line in enumerate(text.splitlines(), 1):
-        if not table_name and (head := _HEAD.match(line)):
+        if not open_quotes and (head := _HEAD.match(line)):
             table = _table_path(counts, _key_parts(head[2]))
             if head[1] == "[[":
                 counts[table] = counts.get(table, -1) + 1
                 table = (*table, counts[table])
             current_table = table
-        elif not table_name and (key := _KEY.match(line)):
+        elif not open_quotes and (key := _KEY.match(line)):
             current_table = (*table, *_key_parts(key[1]))
         else:
             current_table = ()
         if len(current_table) > best[0] and path[: len(current_table)] == current_table:
             best = len(current_table), number
         for quotes in ('"""', "'''"):
-            if table_name in ("", quotes) and line.count(quotes) % 2:
-                table_name = "" if table_name else quotes
+            if open_quotes in ("", quotes) and line.count(quotes) % 2:
+                open_quotes = "" if open_quotes else quotes
     return best[1]
 
 

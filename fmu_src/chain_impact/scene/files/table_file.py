@@ -100,7 +100,8 @@ def read_table(source: TableSource) -> Table:
     The cells of a CSV file are texts.
 
     Raises:
-        SceneError: when the source is not a complete table with different names of columns.
+        SceneError: when the source is not a table with at least one row, different names of columns, and as
+            many cells as names in each row.
         OSError: when the file cannot be read.
         MissingExtraError: for Parquet, when pyarrow (the extra ``sweep``) is not installed.
     """
@@ -173,7 +174,7 @@ def samples_of(table: Table, stop_time: float) -> tuple[np.ndarray, dict[str, np
 
 
 def first_early(times: np.ndarray) -> int | None:
-    """Return the index of the first time that is before the last one, or a third equal one; else None."""
+    """Return the index of the first time below the preceding one, or third of three equal ones; else None."""
     steps = np.diff(times)
     is_early = steps < 0.0
     is_early[1:] |= (steps[1:] == 0.0) & (steps[:-1] == 0.0)
@@ -205,7 +206,7 @@ def gap_hints(times: np.ndarray | Sequence[float]) -> list[str]:
 
 
 def _column(table: Table, name: str) -> np.ndarray:
-    """Return a column of a table of inputs as numbers, shape (T,); refuse an empty cell and other texts."""
+    """Return a column of a table of inputs as numbers, shape (T,); refuse a cell without a finite number."""
     for row in range(len(table.rows)):
         if table.cell(row, name) is None:
             raise SceneError(

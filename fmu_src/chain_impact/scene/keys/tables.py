@@ -1,6 +1,6 @@
 """The tables of a scene file, except [chain] and [signals]: dataclasses whose fields are the tables' keys.
 
-The metadata of each field have unit, description, range and default; see scene.py.
+The metadata of each field have unit, description, range and default; see ``scene_key`` in key_rules.py.
 """
 
 from collections.abc import Mapping
@@ -58,7 +58,8 @@ class Material:
     """A table [contact.wall.<name>]: the material of one wall, a side of ``box`` or an entry of ``walls``.
 
     A value that the file does not give is None; then the value in [contact] applies. But if the file gives
-    ``friction`` for the wall and no ``static_friction``, both coefficients of the wall are equal.
+    ``friction`` for the wall and no ``static_friction``, both coefficients of the wall are equal; so are they
+    if ``static_friction`` is 0.
     """
 
     stiffness: float | None = scene_key(

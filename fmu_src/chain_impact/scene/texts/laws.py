@@ -16,7 +16,7 @@ ELASTIC_LAWS, FAMILY_LAWS, OTHER_LAWS, RIGID_LAWS = LAW_GROUPS = (
 
 
 def law_text(law: ContactLaw) -> str:
-    """Return the authors of a law, with the year if its source begins with them: Zhang–Sharf (2009)."""
+    """Return a law's authors, and its source's year if the first of them begins it: Zhang–Sharf (2009)."""
     year = re.search(r"\b\d{4}\b", law.source)
     first = re.split(r"[ ,]", law.title)[0]
     name = law.title if "," in law.title else law.title.replace(" & ", "–")
