@@ -43,7 +43,7 @@ def test_the_table_of_a_scene_has_its_impacts_exactly(tmp_path, scene, settings)
     read = read_csv(tmp_path / "box.csv", scene)
     for name in ("point", "wall", "onset", "impact_speed"):
         np.testing.assert_array_equal(read.impacts[name], written.impacts[name])
-    whole = "outputs.impacts" not in settings  # otherwise the FMU and its table contain the onsets only
+    whole = "outputs.impacts" not in settings  # otherwise a table has only the values above
     for name in ("peak_force", "end"):
         values = written.impacts[name] if whole else np.full(len(written.impacts), math.nan)
         np.testing.assert_array_equal(read.impacts[name], values)

@@ -1,4 +1,4 @@
-"""The table of impacts from an FMU's record equals that of simulate() for any communication step."""
+"""The table of impacts from an FMU's record equals that of simulate() if each step shows all its impacts."""
 
 # Tests: recording/impacts.py
 

@@ -1,4 +1,4 @@
-"""Joint stops in results: units, ranges, and their display in pictures, tables and animations."""
+"""Joint stops in results: units, ranges, and their display in pictures, texts and tables."""
 
 import cmath
 import functools

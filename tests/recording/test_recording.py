@@ -1,4 +1,4 @@
-"""Recordings: conversion of columns to numbers and back, and files of both."""
+"""Recordings: CSV files with all digits, and points, energies, contacts and impacts from columns."""
 
 # Tests: recording/recorded_attributes.py
 

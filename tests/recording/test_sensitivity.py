@@ -15,7 +15,7 @@ NAMES = ("contact.restitution", "initial.vx", "link[1].mass", "gravity.y")
 
 @pytest.fixture(scope="module")
 def result():
-    """Return the result of four links until their second impact, without initial velocity along x."""
+    """Return the result of four links with two impacts in 0.6 s, without initial velocity along x."""
     scene = load_scene("four_link_box").with_values({"simulation.stop_time": 0.6, "initial.vx": 0.0})
     return simulate(scene, sensitivities=NAMES)
 

@@ -136,6 +136,22 @@ def test_the_energies_have_the_loss_by_friction():
     assert not simulate(default_scene(), 0.1).energy["friction"].any()
 
 
+def test_a_result_of_a_scene_without_outputs_of_points_has_a_text():
+    scene = load_scene("rod_drop").with_values({"outputs.points": False})
+    whole, some = simulate(scene, 0.1), simulate(scene, 0.1, output=["energy.total"])
+    assert whole.knows_points
+    assert not some.knows_points
+    assert repr(some).startswith("RodDrop  0 … 0.1 s, 0 impacts, 101 rows of 1 output\n")
+
+
+def test_a_wall_that_no_point_can_touch_is_passed():
+    scene = load_scene("ramp").with_values({"contact.points": []})
+    assert "ramp" not in scene.wall_names
+    found = simulate(scene)
+    assert f"note     {found.points_through_walls[0]}" in repr(found)
+    assert re.match(r"points .* pass through ramp without touching it", found.points_through_walls[0])
+
+
 def test_no_outputs_leave_the_impacts(result):
     none = simulate(default_scene(), 0.6, math.inf, output=())
     assert none.names == ()

@@ -26,7 +26,7 @@ SMOOTH = {
 
 
 def by_time(case):
-    """Return the derivative by a time, its differences to earlier and later times, and the sentences."""
+    """Return the derivative by a time, the quotients of differences to each side, and the sentences on it."""
     one, numbers, key = case
     scene, parameter = (
         parse_scene(f'{ARM}\n[signals.drive]\ninput = "{one}"\n{numbers}\n', "x"),

@@ -274,7 +274,7 @@ def test_inputs_act_from_the_start_whenever_the_first_row_is(signal, times):
 
 
 def as_far_as(limit):
-    """Return the result up to where the work exceeds a limit."""
+    """Return the result up to where the work exceeds a limit, or to the end of the run."""
     scene = CASE.scene.with_values({"solver.work_limit": float(limit)})
     try:
         return simulate(scene, sensitivities=["initial.y"])
@@ -283,7 +283,7 @@ def as_far_as(limit):
 
 
 def test_a_run_that_fails_has_right_derivatives_or_none():
-    """The solver fails at each step in turn."""
+    """The solver fails earlier or later, by its limit of work."""
     whole = simulate(CASE.scene, sensitivities=["initial.y"])
     stopped = 0
     for limit in range(60, 900, 21):

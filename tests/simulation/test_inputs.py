@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from chain_impact import SceneWarning, load_scene, simulate
+from chain_impact import SceneWarning, UnknownNameError, load_scene, simulate
 from chain_impact.scene.scene import SceneError, scene_from_dict, scene_to_dict, with_values
 from tests.simulation.driven_arm import ELBOW, SHOULDER, STOP, arm, exact, motion, push, wave
 
@@ -106,7 +106,7 @@ def test_inputs_of_zero_change_nothing():
 
 
 def test_a_constant_costs_no_restarts():
-    """The constant is given in any form, with any output step; the first sample also acts before its time."""
+    """The constant is given in any form; the first sample also acts before its time."""
     scene = load_scene("pinned_arm")
     once = simulate(scene, inputs={SHOULDER: 1.5})
     assert once.statistics["steps"] < 200
@@ -191,6 +191,30 @@ def test_two_rows_of_equal_time_are_a_jump(interpolation, tmp_path):
         warnings.simplefilter("ignore", SceneWarning)  # the last row is far from the others
         driven = simulate(with_values(arm(), {("signals", "sine"): table}), 0.4, 0.005)
     np.testing.assert_allclose(motion(driven), expected, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("times", "values"),
+    [([0.0, 0.5, 0.5, 0.6], [0.0, 10.0, 20.0, 20.0]), ([-0.5, -0.2, -0.2, 1.0], [0.0, 1.0, 2.0, 14.0])],
+)
+def test_a_jump_outside_of_the_run_changes_no_line_within_it(times, values):
+    result = simulate(arm(), 0.4, 0.1, inputs={SHOULDER: (times, values)}, interpolation="linear")
+    expected = np.interp(result.time, times, values)
+    np.testing.assert_allclose(result[SHOULDER], expected, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("scene", "inputs", "interpolation", "absent"),
+    [
+        ({"inputs.joint_targets": True}, "joint[1].target_angle", "follow", "joint[1].target_velocity"),
+        ({"inputs.base_motion": True}, "base.y", "hold", "base.vy"),
+    ],
+)
+def test_an_input_that_is_not_given_is_no_column_that_can_be_chosen(scene, inputs, interpolation, absent):
+    with pytest.raises(UnknownNameError, match="is not an output"):
+        simulate(
+            with_values(arm(), scene), 0.1, inputs={inputs: 0.0}, interpolation=interpolation, output=absent
+        )
 
 
 def test_positions_and_velocities_of_a_base_do_not_jump(tmp_path):

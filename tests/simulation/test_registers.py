@@ -24,7 +24,7 @@ def library(tmp_path_factory):
 
 
 def whole_run(model):
-    """Run every stage, from the file to the result."""
+    """Return the bytes of points, energies and impacts of a run, with all stages from the file on."""
     result = simulate(load_scene(model), stop_time=0.5)
     return [result.points.tobytes(), result.energy.tobytes(), result.impacts.tobytes()]
 

@@ -129,7 +129,7 @@ def test_without_outputs_no_row_is_computed_and_all_else_is_there(monkeypatch, s
     ["four_link_box", "stick_slip_belt", "shaken_pendulum", "cart_pole", "thrown_brick", "controlled_arm"],
 )
 def test_outputs_of_the_state_alone_are_the_same_bits_without_forces(model):
-    """The scene has impacts, friction, a motion, a slider, points on links, and signals."""
+    """The scenes have impacts, friction, a motion, a slider, points on links, and signals."""
     whole = simulate(model, 1.0, 7e-3)
     names = [
         output.name
@@ -214,7 +214,7 @@ def test_a_wall_too_stiff_for_the_clock_is_a_fault_and_no_endless_loop(stiffness
 
 
 def test_a_communication_step_is_bounded_however_long_it_is():
-    """A long step with little work is completed, and simulate() can always be interrupted."""
+    """A long step with little work is completed, and one with too much work ends with a fault."""
     scene = with_values(rod(0.0, 1.0), {("solver", "work_limit"): 1000.0, ("simulation", "stop_time"): 5e4})
     assert simulate(scene, output_step=math.inf).time[-1] == 5e4
     instance = Instance(scene)

@@ -33,7 +33,7 @@ def same(found, wanted):
 def test_a_record_is_the_one_of_a_scene_that_stands_alone(model):
     scene, compared = load_scene(model), 0
     for name, value in scene.values.items():
-        # values of gravity, links, contacts, the start and the solver
+        # only real numbers; a coefficient of friction that is given, even as 0, decides which variables exist
         if not isinstance(value, float) or name in ("contact.friction", "contact.static_friction"):
             continue
         changes = {name: 0.99 * value if "position" not in name and "angle" not in name else value + 1e-9}
@@ -76,7 +76,7 @@ def test_a_change_of_more_than_numbers_makes_a_new_record(model, changes):
 
 
 def test_the_end_of_the_run_decides_on_the_end_of_a_table(tmp_path):
-    """A table of positions ends at rest if the run continues."""
+    """A table of positions ends at rest if the run lasts longer than the table."""
     (tmp_path / "motion.csv").write_text("time,base.y\n0,0\n0.1,0.01\n0.2,0.02\n0.3,0.02\n", "utf-8")
     scene = load_scene("pinned_arm").with_values({"inputs.base_motion": True, "simulation.stop_time": 0.2})
     short = with_inputs(scene, tmp_path / "motion.csv")

@@ -161,11 +161,11 @@ WRITTEN = {
     ("initial",): Initial,
     ("solver",): Solver,
 }
-"""Path → table of each table with parameters, in the file of ``rod_on_a_slider``."""
+"""Path of a table in the file of ``rod_on_a_slider`` → dataclass of the table."""
 
 
 def rod_on_a_slider(*path, **given):
-    """Return the scene of two links on a slider whose file also gives some values in the table at a path."""
+    """Return the scene of two links on a slider; its file has values ``given`` in the table at ``path``."""
     links = [{"length": 1, "mass": 1, "joint_min": -2, "points": [{"x": 0.3}]}, {"length": 1, "mass": 1}]
     data = {"name": "Rod", "chain": {"base": "slider", "slider": {}, "links": links}, "box": {"y_min": -3}}
     data |= {"contact": {"wall": {"y_min": {}}}, "stops": {}, "initial": {"angles": [0, 0]}, "solver": {}}

@@ -18,7 +18,7 @@ from chain_impact.variables.selection import differentiable_named
 from chain_impact.variables.variable import Variable
 
 BOX, ARM = load_scene("four_link_box"), load_scene("pinned_arm")
-# unit → the last parts of the names of outputs with this unit
+# unit → the last parts of the names of outputs of BOX with this unit
 OF_UNIT = {
     "m": "x y penetration max_penetration",
     "m/s": "vx vy penetration_rate last_speed speed separation_speed",
@@ -118,7 +118,7 @@ def test_an_input_says_between_which_links_its_torque_acts():
 
 
 def test_behind_an_instance_are_those_that_carry_its_derivatives():
-    """Each has its own values, and a slope of one for each parameter in its own direction."""
+    """Each has the values of the instance, and the slope 1 of each parameter in the parameter's direction."""
     prepared = PreparedScene(BOX)
     names = [f"link[{i}].mass" for i in range(1, 5)] + ["contact.stiffness", "link[2].length"]
     varied = differentiable_named(prepared, names)
@@ -148,7 +148,7 @@ def test_behind_an_instance_are_those_that_carry_its_derivatives():
             field = field[step]
         assert field["slope"].tolist() == [float(k == number % DIRECTIONS) for k in range(DIRECTIONS)]
         slopes[t, number % DIRECTIONS] = 1.0
-    # no other output has derivatives
+    # no other number has a slope that is not 0
     reals = sum(int(total_slopes(behind[t])) for t in range(count))
     assert reals == slopes.sum() == len(names)
 

@@ -100,7 +100,7 @@ PARTS = ("structure_of", "parameters_of", "inputs_of", "outputs_of")
 
 
 def count_calls(monkeypatch):
-    """Return how often each part of a model is worked out from now on."""
+    """Return a counter that counts the calls of each function in PARTS from the call of this function on."""
     counts = Counter()
 
     def counted(name, function, *arguments):

@@ -164,21 +164,21 @@ def test_walls_at_any_angle_have_their_own_variables():
 # --- parameters ----------------------------------------------------------------------------------------
 
 
-# end of a name → allowed value, where the scene does not allow any value near the present one
+# end of a name → function from the present value to an allowed one, where no value near it is allowed
 ALLOWED = {
     "box.x_min": lambda _: -1.0,  # the start must stay outside the wall
     "box.y_min": lambda _: -1.0,
     "initial.angle[3]": lambda present: present - 0.01,  # the start must stay within the stop of a knee
     "contact.exponent": lambda _: 1.25,  # at least 1
     "stop.exponent": lambda _: 1.25,
-    ".static_friction": lambda _: 1.1,  # at least the kinetic friction
+    ".static_friction": lambda _: 1.1,  # at least the sliding friction
 }
 
 
 @pytest.mark.full("more cases", but=14)
 @pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
 def test_each_parameter_sets_its_place_and_nothing_else(scene):
-    """Only the effective values that the scene derives change as well."""
+    """Only values in use that the scene derives, such as corners of a box, change as well."""
     if scene is SCENES["rocking_block"]:  # the block stands on the floor, where a radius has no room
         scene = scene.with_values({"initial.y": 0.1})
     # a rising sine may begin at any time

@@ -83,7 +83,7 @@ def read_csv(path: Path, scene: Scene | None = None) -> Recording:
 
 
 def _columns(path: Path) -> dict[str, np.ndarray]:
-    """Return the columns of a table of numbers, by their names."""
+    """Return the columns of a table of numbers, by their names; refuse a file that is no such table."""
     try:
         head, *text = comma_separated_text(text_of(path)).splitlines() or [""]
         names = [name.strip().strip('"') for name in head.split(",")]

@@ -37,8 +37,8 @@ MOST_TIMES = 20_000
 # [1] the duration that a close view assumes for a contact that lasts to the end of the run, relative to the
 # run's duration
 LASTING_SHARE = 0.02
-# the close view of a contact that lasts more than LEAST_PULSES × its first pulse shows this pulse, which ends
-# at the latest at the time of ``impact_ends``
+# the close view of a contact that lasts more than LEAST_PULSES × its first pulse shows this pulse, whose end
+# is that of ``impact_ends``
 LEAST_PULSES = 2.0
 # [1] the duration that a close view assumes for an impulse, which has none, and for a contact whose end is
 # unknown, relative to the run's duration
@@ -179,6 +179,9 @@ def window(recording: Recording, impact_number: int | None) -> tuple[float | Non
 
     ``impact_number`` is the number of the impact, from 1. If it is None, the onset is None, and the view is
     the whole run. Of a contact much longer than its first pulse (LEAST_PULSES), the view shows this pulse.
+
+    Raises:
+        RefusalError: when no impact has the number.
     """
     start, end = float(recording.time[0]), float(recording.time[-1])
     if impact_number is None:
@@ -214,7 +217,7 @@ def times_between(recording: Recording, low: float, high: float, *, is_close: bo
 
     If ``is_close``, the view shows one impact, and the times are equally spaced. Otherwise it shows the whole
     run, and TIMES_WITHIN_IMPACT times lie in each of the first MOST_REFINED_IMPACTS impacts, except in
-    impulses, which have no duration, and in contacts that last to the end of the run.
+    impulses, which have no duration, and in contacts that last to the end of the run or have no known end.
     """
     if is_close:
         return np.linspace(low, high, CLOSE_TIMES)

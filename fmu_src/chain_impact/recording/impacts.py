@@ -49,10 +49,10 @@ If the scene asks for no impulses, the impulse is NaN. If the scene asks for no 
 NaN, and the number of the joint is 0. If the wall's name is unknown, it is "". If a contact lasts to the end
 of the simulation, its end, duration and separation speed are NaN.
 
-Under the law ``newton_impact``, a bounce has the duration 0. Its peak force, the force in a joint and the
-number of the joint are 0. The output ``joint[i].impulse`` jumps by the impulse that the bounce causes in
-joint i. For a contact with a duration, the forces are the largest ones during the contact, as under the other
-laws.
+Under the law ``newton_impact``, a bounce has the duration 0. Its peak force, the force in a joint (NaN
+without loads) and the number of the joint are 0. The output ``joint[i].impulse`` jumps by the impulse that it
+causes in joint i. For a contact with a duration, the forces are the largest ones during the contact, as under
+the other laws.
 
 At a stop of a joint, the wall is ``joint_min`` or ``joint_max``, and the point is the number of the joint,
 1…N. The quantities then belong to the joint's angle: speeds [rad/s], moment [N·m], angle beyond the stop
@@ -221,7 +221,8 @@ def wall_names_of(record: Any) -> list[str]:
     """Return the names of walls and stops by their numbers, as far as columns tell them.
 
     The walls of the box come first, then other walls in columns of contacts, stops of joints, stops of a
-    slider.
+    slider. Without columns of contacts at walls, the numbers of the stops of joints are unknown, and these
+    stops are left out.
     """
     names = [name_parts(str(name)) for name in names_of(record)]
     touched_names = [parts.name for parts in names if parts.owner == "contact" and parts.quantity == "force"]
@@ -234,7 +235,8 @@ def wall_names_of(record: Any) -> list[str]:
 def shown_impacts(record: Any, walls: Sequence[str] = ()) -> np.ndarray:
     """Return the impacts that an FMU's outputs show, also if the FMU has no list: see `IMPACT_DTYPE`.
 
-    ``walls`` has the names of all walls by their numbers. An FMU with `outputs.impacts = 0` has no list. Its
+    ``walls`` has the names of all walls by their numbers; without it, the names are those of
+    ``wall_names_of`` or, if the FMU has no list, "". An FMU with `outputs.impacts = 0` has no list. Its
     outputs show only the last impact of each communication step. Only the point, the wall, the onset and the
     impact speed of this impact are then known; the number of the joint is 0, all other values are NaN.
     """

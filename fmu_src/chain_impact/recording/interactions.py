@@ -87,7 +87,7 @@ def interactions_in_joints(columns: Mapping[tuple[int, str], Quantities]) -> Ite
 
 
 def friction_of(joint: int, values: Quantities, name: str) -> Iterator[Interaction]:
-    """Yield the dry friction in a joint, or that on a slider as joint 0, if it is known.
+    """Yield the dry friction in a joint, or that on a slider as joint 0, if ``values`` has "sticking".
 
     ``name`` is the name of its force or moment in ``values``.
     """

@@ -36,7 +36,10 @@ class JointRange:
 
     @property
     def arc(self) -> tuple[float, float]:
-        """The angles [rad] of the arc's ends in a picture, from the previous link; for joint 1, from +x."""
+        """The angles [rad] of the arc's ends in a picture, from the previous link; for joint 1, from +x.
+
+        The arc spans at most one turn, from ``low`` on.
+        """
         low = self.low if math.isfinite(self.low) else self.high - OPEN_ANGLE
         high = self.high if math.isfinite(self.high) else self.low + OPEN_ANGLE
         return low, min(high, low + math.tau)

@@ -55,8 +55,8 @@ def impact_ends(impacts: np.ndarray, end_time: float) -> np.ndarray:
     """Return the times at which impacts end for a film, shape (I,) [s], at the latest at ``end_time`` [s].
 
     For a film, a contact ends at the latest a time LONGEST_IMPACT δ/v after its onset, also if it lasts to
-    the end of the run; δ is the largest penetration, v the impact speed. An impact takes 2.9 δ/v with Hertz's
-    law, π δ/v with a linear spring, and longer with losses.
+    the end of the run; δ is the largest penetration, 0 if unknown, v the impact speed. An impact takes
+    2.9 δ/v with Hertz's law, π δ/v with a linear spring, and longer with losses.
     """
     speeds = np.maximum(impacts["impact_speed"], LEAST_SPEED)
     longest_durations = LONGEST_IMPACT * np.nan_to_num(impacts["max_penetration"]) / speeds
@@ -79,7 +79,8 @@ def rate(time: np.ndarray, spans: Sequence[Span], impact_time: float) -> np.ndar
     duration of the impact divided by ``impact_time``, so that the impact takes ``impact_time`` on the screen.
     Before and after the impact, the rate grows linearly with the distance in time from the impact, by 1 in
     SPEED_RAMP [s], until it is 1. An impact without a duration has INSTANT times ``impact_time`` and
-    SPEED_RAMP.
+    SPEED_RAMP. An impact shorter than LEAST_DURATION counts as that long. Of several impacts, the one with
+    the smallest rate counts.
 
     Args:
         time: simulated times, shape (T,) [s].
@@ -132,8 +133,8 @@ def frame_times(
         start: the start of the simulation [s].
         end_time: the end of the simulation [s].
         spans: onset and end of each impact that is shown in slow motion [s].
-        impact_time: the time [s] that each of these impacts takes on the screen; 0 if no impact is shown in
-            slow motion.
+        impact_time: the time [s] that each of these impacts, at most its first LONGEST_SLOW, takes on the
+            screen (``rate``); 0 if no impact is shown in slow motion.
         most_frames: the largest number of frames; a film that would have more has fewer frames per second
             than ``usual_rate``.
         usual_rate: the frames per second, except for rounding up, of a film with fewer frames than

@@ -144,7 +144,8 @@ class Recording(RecordedAttributes, OlderNames):
         """Whether the base is pinned, so that link 1 turns about joint 1; an input may move a pinned base.
 
         The columns tell whether joint 1 exists. If there are no columns of any joint, a base without a
-        slider counts as pinned if there are several rows, and its position is the same in all rows.
+        slider counts as pinned if there are several rows, and its position is the same in all rows, or
+        unknown.
         """
         joints, bases = self.columns_of("joint"), self.points[:, :1]
         if self.rail is not None:
@@ -167,7 +168,7 @@ class Recording(RecordedAttributes, OlderNames):
 
     @cached_property
     def touching_radii(self) -> dict[int, float]:
-        """Number of each point that can touch a wall → its radius [m], 0 if unknown."""
+        """Number of each point with a known contact at a wall → its radius [m], 0 if unknown."""
         radius, radii = float(self.parameters.get("contact.radius", 0.0)), site_radii(self.parameters)
         points = sorted({interaction.point for interaction in self.interactions if interaction.kind == WALL})
         radius_of = dict(enumerate(radii, self.link_count + 1))

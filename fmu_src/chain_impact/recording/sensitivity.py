@@ -96,7 +96,7 @@ class Sensitivities:
 
     @cached_property
     def units(self) -> dict[str, str]:
-        """Name of a parameter, an output, or a derivative of an output → its unit."""
+        """Name of a parameter, an input, an output, or a derivative of an output → its unit."""
         prepared_scene = self.prepared_scene
         added = derivatives_of(prepared_scene.continuous_outputs, self.differentiated)
         variables = (*prepared_scene.parameters, *prepared_scene.inputs, *prepared_scene.outputs, *added)
@@ -145,11 +145,17 @@ class Sensitivities:
     of_impacts = OlderName("impact_derivatives")
 
     def output_derivatives(self, quantity: str, parameter: str) -> np.ndarray:
-        """Return the derivative of an output with respect to a parameter, at all times, shape (T,)."""
+        """Return the derivative of an output with respect to a parameter, at all times, shape (T,).
+
+        Raises UnknownNameError if there is no such derivative.
+        """
         return self.slopes[:, self.columns[self._output(quantity)], self._number(parameter)]
 
     def impact_derivatives(self, quantity: str, parameter: str) -> np.ndarray:
-        """Return the derivative of a quantity of impacts with respect to a parameter, shape (I,)."""
+        """Return the derivative of a quantity of impacts with respect to a parameter, shape (I,).
+
+        Raises UnknownNameError if there is no such derivative.
+        """
         if quantity not in self.impact_slopes:
             fault = "not a quantity of impacts with derivatives"
             hint = f"must be one of {', '.join(self.impact_slopes)}"

@@ -89,6 +89,7 @@ def phases_from(time: np.ndarray, interactions: Iterable[Interaction], walls: Se
     """Return the table of phases of dry friction from values in rows, see ``STICK_SLIP_DTYPE``.
 
     The start and the end of a phase are times of rows, so each is late by at most the time between two rows.
+    Contacts at walls that ``walls`` lacks have no phases.
     """
     changes: list[tuple[float, int, int, int]] = []
     for interaction in interactions:

@@ -70,7 +70,8 @@ def dataset(prepared_scene: PreparedScene, time: np.ndarray, motion: Mapping[str
     """Return outputs as a dataset of xarray: a quantity of points, links or contacts is one array for all.
 
     Any other output has an array of its own. ``motion``: name → values, shape (T,), of outputs of the list
-    ``prepared_scene.continuous_outputs``; other outputs are not in the dataset.
+    ``prepared_scene.continuous_outputs``; other outputs are not in the dataset. In an array for all, the
+    outputs that ``motion`` lacks are NaN.
     """
     xarray = require("xarray", "xarray")
     scene = prepared_scene.scene

@@ -47,7 +47,7 @@ several positions."""
 
 
 def pin_lines(points: np.ndarray) -> list[np.ndarray]:
-    """Return the lines of the ground mark of a pinned base, a support on hatched ground, at time 0.
+    """Return the lines of the ground mark of a pinned base, a support on hatched ground, at the first time.
 
     If the mean height of all other points is below that of the base, the mark is above the base, else below.
     A mean is over all times.
@@ -84,7 +84,7 @@ def view_corners(
             several positions.
         radius: the radius of each point [m].
         near_distance: the largest distance of a near wall from the motion, relative to the size of the
-            motion.
+            motion. A wall that a part of the motion is beyond by more than this size is not near.
         room: a distance, relative to the size of the motion. If the walls enclose a room that ends within
             this distance of the motion, the rectangle contains the whole room, and all walls are near. If
             ``room`` is 0, no room is looked for.

@@ -235,7 +235,10 @@ class Ranking(PrintedResult):
 
     @property
     def _only_runs_hold(self) -> bool:
-        """Whether the runs differ from all effects of the picture, so that no effect to first order holds."""
+        """Whether a run differs from each effect of the picture, so that no effect to first order holds.
+
+        The result is False if a run is missing or lacks the quantity.
+        """
         drawn_effects = list(itertools.chain(*self._blocks()))
         return bool(drawn_effects) and all(
             e.differs and np.isfinite(e.simulated or 0.0) for e in drawn_effects

@@ -217,9 +217,8 @@ class Result(PrintedResult, SceneRecording):
     @property
     def knows_points(self) -> bool:
         """Whether the result has the positions of all points."""
-        return {v.name for v in self.prepared_scene.continuous_outputs if v.field == "point_position"} <= {
-            *self.continuous_columns
-        }
+        outputs = {v.name for v in self.prepared_scene.continuous_outputs if v.field == "point_position"}
+        return self._has_all or (bool(outputs) and outputs <= {*self.continuous_columns})
 
     @property
     def angles(self) -> np.ndarray:
@@ -320,8 +319,9 @@ class Result(PrintedResult, SceneRecording):
     def impact_table(self) -> pandas.DataFrame:
         """Return the impacts as a table of pandas: columns as in ``IMPACT_DTYPE``; ``wall`` has the name.
 
-        The rows count from 1. ``attrs["units"]`` has the unit of each column that has one; if joints have
-        stops, ``attrs["units_at_stops"]`` has the units for impacts at these stops.
+        The column ``wall_name`` is left out. The rows count from 1. ``attrs["units"]`` has the unit of each
+        column that has one; if joints have stops, ``attrs["units_at_stops"]`` has the units for impacts at
+        these stops.
 
         Raises:
             MissingExtraError: when pandas (the extra ``pandas``) is not installed.

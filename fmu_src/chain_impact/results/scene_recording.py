@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from chain_impact.kernel.record.constants import WALLS
 from chain_impact.recording.curves import Curves, curves_of, impact_numbers
 from chain_impact.recording.impact_course import ImpactCourse, RepeatableRun, course_of
 from chain_impact.recording.passed_walls import points_through_walls
@@ -45,9 +46,12 @@ class SceneRecording(Recording):
 
         The list is empty if ``simulate(output=…)`` left out positions of points.
         """
-        wall_motions, numbers = self.moved_walls, {name: k for k, name in enumerate(self.wall_names)}
+        # ``wall_names`` lacks walls at any angle if no point can touch a wall
+        names = (*WALLS, *(wall.name for wall in self.scene.walls))
         walls = {
-            numbers[name]: (name, wall, wall_motions.get(name, 0.0)) for name, wall in self.walls.items()
+            number: (name, self.walls[name], self.moved_walls.get(name, 0.0))
+            for number, name in enumerate(names)
+            if name in self.walls
         }
         try:
             positions = self.all_points

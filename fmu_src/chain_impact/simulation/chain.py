@@ -161,6 +161,8 @@ class Chain:
     def step_to(self, time: float) -> None:
         """Advance to a time [s], which must not be before the present time.
 
+        The first time at which given positions of a motion contradict its velocity gives a SceneWarning.
+
         Raises:
             SceneError: when the time lies in the past, or is not a finite number.
             SimulationError: when the scene cannot start with the values that were set, or the solver cannot
@@ -196,9 +198,9 @@ class Chain:
         """Return the present values of variables in SI units; a choice is its number in the FMU.
 
         Args:
-            names: one name gives a number. Several names, or a name with ``*`` for any text, give an array,
-                shape (M,), with M variables in the order of the names; those that match one name are in the
-                order of the FMU.
+            names: one name gives a number. A list of names, or a name with ``*`` for any text, gives an
+                array, shape (M,), with M variables in the order of the names; those that match one name are
+                in the order of the FMU.
 
         Raises:
             UnknownNameError: when no variable has one of the names.

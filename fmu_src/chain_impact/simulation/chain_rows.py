@@ -110,5 +110,5 @@ class ChainRows:
 
 
 def _mark(instance: Instance) -> int:
-    """Return a check sum of the state in the record, which differs between runs with other values."""
+    """Return a check sum of the state at the end of the solver's step; other runs mostly have another one."""
     return zlib.crc32(instance.record["step"]["state_end"].tobytes())

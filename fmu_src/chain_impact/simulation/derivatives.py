@@ -298,7 +298,7 @@ class DifferentiatedRun:
         Args:
             scene: a scene, or an argument of ``load_scene``.
             parameters: P real parameters and inputs of the FMU.
-            outputs: W outputs of the FMU.
+            outputs: W outputs of the FMU that change continuously, without ``*`` in the names.
             inputs: name of an input → its signal over time, or a table, as ``simulate`` takes them.
             interpolation: the interpolation of the inputs, as for ``simulate``.
 

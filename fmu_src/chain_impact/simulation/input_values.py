@@ -78,13 +78,15 @@ def _numbers(value: Any) -> np.ndarray | None:
 def values_before_jumps(grid: np.ndarray, values: np.ndarray, given_inputs: Sequence[Any]) -> np.ndarray:
     """Return the ``values`` just before each point of a grid [s]; change ``values`` at jumps to those after.
 
-    Samples with two equal times have a jump. Column m of ``values`` belongs to ``given_inputs[m]``.
+    Samples with two equal times have a jump there. Jumps before or after the grid are ignored. Column m of
+    ``values`` belongs to ``given_inputs[m]``.
     """
     left_values = values.copy()
     for m, given_input in enumerate(given_inputs):
         if isinstance(given_input, tuple):
             times, sampled = given_input
-            for k in jumps_of(times):
+            jump_rows = jumps_of(times)
+            for k in jump_rows[(grid[0] <= times[jump_rows]) & (times[jump_rows] <= grid[-1])]:
                 row = np.abs(grid - times[k]).argmin()
                 left_values[row, m], values[row, m] = sampled[k : k + 2]
     return left_values

@@ -302,8 +302,8 @@ def contradictions(
 ) -> list[str]:
     """Return a sentence for each input that contradicts another value of the same channel.
 
-    A velocity or acceleration can contradict the motion that another input gives; a position of the base can
-    contradict the initial position in the scene.
+    A velocity or acceleration can contradict the motion that another input gives, at the start of a piece; a
+    position of the base can contradict the initial position in the scene.
     """
     texts = []
     for channel, column in zip(channels, columns, strict=True):

@@ -49,6 +49,9 @@ class Run:
             schedule: the inputs over time, and the times of the rows.
             indices: the chosen outputs.
             pattern_exponents: see ``Sensitivities.pattern_exponents``.
+
+        Raises:
+            SimulationError: when the scene cannot start.
         """
         self.prepared_scene, self.parameters = prepared_scene, parameters
         self.pattern_exponents = pattern_exponents

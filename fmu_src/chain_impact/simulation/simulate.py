@@ -23,7 +23,7 @@ from chain_impact.results.result import Result
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.keys.tables import STEP_ROUND_OFF
 from chain_impact.scene.scene import Scene, SceneSource, scene_of, with_values
-from chain_impact.scene.signal_inputs import determined_quantities
+from chain_impact.scene.signal_inputs import exclusive_inputs
 from chain_impact.scene.warning import warn
 from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.inputs import (
@@ -137,7 +137,7 @@ def simulate(
     pattern_exponents = tuple(name for name in exponents if name not in wanted_names)
     given_inputs = {} if inputs is None else inputs_by_name(inputs, prepared_scene.scene.simulation.stop_time)
     indices, input_names = chosen_columns(
-        prepared_scene, output, _possible_columns(prepared_scene, given_inputs)
+        prepared_scene, output, _possible_columns(prepared_scene, given_inputs, interpolation)
     )
     column_count = len(indices.words) + indices.width * len(parameters)
     schedule = _inputs_of_run(prepared_scene, given_inputs, interpolation, is_single_interval, column_count)
@@ -156,13 +156,17 @@ def _with_settings(scene: SceneSource, settings: Mapping[str, Any]) -> PreparedS
     return PreparedScene(with_values(scene, changes) if changes else scene_of(scene))
 
 
-def _possible_columns(prepared_scene: PreparedScene, inputs: Iterable[str]) -> list[str]:
+def _possible_columns(prepared_scene: PreparedScene, inputs: Iterable[str], interpolation: str) -> list[str]:
     """Return the names of the inputs that the result can have: the given ones, and those that follow.
 
-    The velocity and the acceleration of a motion follow from its position.
+    Of a motion of the base or a wall, position, velocity and acceleration follow from any one of them, except
+    with ``hold``.
     """
     known_names = {variable.name for variable in prepared_scene.inputs} if inputs else {}
-    return [member for name in inputs if name in known_names for member in determined_quantities(name)]
+    given_names = [name for name in inputs if name in known_names]
+    if interpolation == "hold":
+        return given_names
+    return [member for name in given_names for member in exclusive_inputs(name)]
 
 
 def _inputs_of_run(

@@ -259,7 +259,7 @@ def _words_of(
 
 
 def _indices(owner_kind: str, numbers: Mapping[str, int]) -> list[dict[str, int]]:
-    """Return a list of tables {"at": index in the record}, one for each owner of a kind.
+    """Return a list of tables {"at": index in the record}, one for each owner of a kind without condition.
 
     ``numbers`` has the numbers that the rules of this kind name.
     """
@@ -294,7 +294,8 @@ def with_tangents(memory: np.ndarray, paths: Sequence[DataPath]) -> np.ndarray:
 
     ``paths`` are the paths in the record of the parameters and inputs with respect to which the kernel
     computes derivatives. Each of these numbers has a direction of its own, in which its derivative is 1 and
-    the derivatives of all others are 0. A tangent instance has DIRECTIONS directions.
+    the derivatives of all others are 0; the direction's ``trust.size`` is the magnitude of the number, or 1
+    if the number is 0 or infinite. A tangent instance has DIRECTIONS directions.
     """
     layout, count = memory.dtype, -(-len(paths) // DIRECTIONS)
     names = layout.names or ()

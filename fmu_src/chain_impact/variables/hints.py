@@ -26,9 +26,9 @@ def output_hint(
 
 
 def parts_hint(name: str, names: Iterable[str]) -> str | None:
-    """Return a hint for a name that is the owner in some of ``names``: "there are force.x, force.y".
+    """Return a hint for a name that is the owner in some of ``names``, or None if there are no such names.
 
-    These names begin with ``name`` and a dot; the hint has at most three. The result is None without any.
+    For "tip.force" it is "there are tip.force.x, tip.force.y"; it has at most three names.
     """
     parts = find_names(f"{name}.*", names)
     return f"there are {', '.join(parts[:3])}" if parts else None

@@ -122,7 +122,10 @@ class OutputIndices(NamedTuple):
 
 
 def indices_of(variables: Iterable[Variable], of_all: OutputIndices) -> OutputIndices:
-    """Return the indices of the outputs ``variables``, in this order; ``of_all`` has those of all outputs."""
+    """Return the indices of the outputs ``variables``, each once; ``of_all`` has those of all outputs.
+
+    In ``continuous`` and in ``stepwise``, they are in the order of ``variables``.
+    """
     paths = {variable.name: variable.record_path for variable in variables}
     continuous_words = {name: of_all.continuous[name] for name in paths if name in of_all.continuous}
     stepwise_words = {name: of_all.stepwise[name] for name in paths if name in of_all.stepwise}
@@ -145,7 +148,8 @@ def _words(row: Sequence[int], stepwise_words: Mapping[str, tuple[int, bool]]) -
 def output_indices(structure: Structure, counts: Counts) -> OutputIndices:
     """Return the indices of all outputs of a structure, without derivatives; ``counts`` are its counts.
 
-    The result is cached, because to compute it takes as long as a short simulation.
+    ``of_state`` is False, whatever the outputs are. The result is cached, because to compute it takes as long
+    as a short simulation.
     """
     layout = layout_of(*counts)
     continuous_words: dict[str, int] = {}

@@ -32,7 +32,8 @@ def parameter_kind(
     """Return the kind of parameters for the values at ``scene_path`` in the scene, a template.
 
     Unit and range are those in ``metadata`` of the key. In ``text``, ``{}`` stands for the
-    description in ``metadata``. ``other_fields`` are further attributes of ``VariableKind``.
+    description in ``metadata``. ``other_fields`` are further attributes of ``VariableKind``; only with a
+    ``given_path`` does the kind get the rule of a derived default.
     """
     default = metadata["default"]
     limits = {limit: metadata[limit] for limit in ("minimum", "above", "maximum")}

@@ -3,7 +3,8 @@
 The names, texts and paths of a kind are templates. ``{n}`` stands for the number of an owner, ``{of}`` for
 the number of the owner's link, ``{name}`` for the name of the owner's wall or signal, ``{axis}`` for x or y.
 Any other word in braces in a text stands for words that depend on the scene or the owner (texts.py). In a
-path, ``{at}`` stands for the index of the owner in the record, and ``{next}`` for this index plus 1.
+path, ``{at}`` stands for the index of the owner in the record, ``{next}`` for this index plus 1, and any
+other word for the value with this name of the owner.
 """
 
 from __future__ import annotations
@@ -283,7 +284,8 @@ def record_block(
             nor {next}, unless ``owner_kind`` is "one" or "slider".
         units: whole name → unit, for each row of inputs.
         array: whether the values of all owners form an array with the name <owner_kind>.<name in the row>.
-        extras: attributes that all kinds have, and further arguments of ``block``.
+        extras: attributes that all kinds have, and further arguments of ``block``; the variables of an owner
+            form a terminal unless ``is_terminal`` is False here.
     """
     kinds = [kind for kinds_of_row in rows for kind in kinds_of_row]
     if units:
@@ -298,7 +300,10 @@ def record_block(
 
 
 def owner_path(path: DataPath, owner: Mapping[str, Any]) -> DataPath:
-    """Return a path in the record or in a scene: the template ``path`` with the values of ``owner``."""
+    """Return a path in the record or in a scene: the template ``path`` with the values of ``owner``.
+
+    Without values, the template is returned unchanged.
+    """
     if not owner:
         return path
     steps: dict[str | int, Any] = {f"{{{word}}}": value for word, value in owner.items()}

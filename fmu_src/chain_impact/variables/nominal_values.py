@@ -17,7 +17,7 @@ def nominal_values(scene: Scene) -> dict[str, float]:
     ``energy_scale`` in a chain without slider and rotors. Magnitudes of contacts are those of an impact of
     the mass M at v without damping, whose penetration δ obeys K δⁿ⁺¹/(n+1) = M v²/2 with stiffness K and
     exponent n. Magnitudes of stops follow in the same way from an impact of M at the distance L from the
-    joint, at 1 rad/s.
+    joint, at 1 rad/s; without stops of joints, they are missing.
     """
     links, contact, stops = scene.chain.links, scene.contact, scene.stops
     size, mass = max(link.length for link in links), sum(link.mass for link in links)

@@ -190,7 +190,8 @@ class Owner:
     Attributes:
         values: the values of the owner's member of the list ``OwnerKind.source_list``, and the numbers in
             ``OwnerKind.numbers``.
-        conditions: name of a condition → whether the owner, or the scene, meets the condition.
+        conditions: name of a condition → value that counts as true if the owner, or the scene, meets the
+            condition; other numbers of the scene, and the values of the member, are there, too.
     """
 
     values: dict[str, Any] = field(default_factory=dict)

@@ -176,7 +176,7 @@ class PreparedScene:
 
     @cached_property
     def start(self) -> np.ndarray:
-        """An instance before initialization, with the start values of all variables; it cannot be changed."""
+        """An instance before initialization, with the values of parameters; the array cannot be changed."""
         start = self.new_instance()
         start.flags.writeable = False
         return start

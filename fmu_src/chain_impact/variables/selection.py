@@ -71,7 +71,9 @@ def differentiable_named(prepared_scene: SceneVariables, names: str | Iterable[s
 
 
 def outputs_named(prepared_scene: SceneVariables, wanted_names: str | Iterable[str]) -> list[Variable]:
-    """Return the outputs with the names or patterns ``wanted_names``, each once, in this order.
+    """Return the outputs, none of them a derivative, with the names or patterns ``wanted_names``.
+
+    They are in the order of ``wanted_names``, each once.
 
     Raises:
         UnknownNameError: when a name is not that of an output, or a pattern matches no output.
@@ -131,7 +133,10 @@ def _hint_on_outputs(prepared_scene: SceneVariables) -> Hint:
 
 
 def _hint_on_more(scene: Scene, name: str) -> str | None:
-    """Return a hint if the scene would have the output ``name`` with another key of [outputs]; else None."""
+    """Return a hint if the scene would have the output ``name``, or outputs of this owner; else None.
+
+    That is, with one of the keys of [outputs] that are false in the scene set to true.
+    """
     for key in key_fields(Outputs):
         if getattr(scene.outputs, key.name) is False:
             asked_text = f"outputs.{key.name} = true"

@@ -55,8 +55,8 @@ _other_fields = attrgetter(
         if entry.compare and entry.type is not str and entry.name not in (*_NUMBERS, "simulation")
     )
 )
-"""Function that reads the fields of a scene that are not in ``_NUMBERS``, except texts and [simulation]. Two
-scenes share nothing if one of the read fields is not the same object in both."""
+"""Function that reads the fields of a scene that are not in ``_NUMBERS``, except texts, [simulation] and
+``has_joint_angles``. Two scenes share nothing if one of the read fields is not the same object in both."""
 
 
 def _decisive_keys(table: type, path: DataPath) -> list[str]:
@@ -117,8 +117,8 @@ def changed_numbers(earlier_scene: Scene, scene: Scene) -> list[str] | None:
 
     The copy of the record of ``earlier_scene`` is then the record of ``scene``. The names are those of which
     both scenes have different objects. The result is None if the whole record must be written, because the
-    scenes differ in more than numbers, or in numbers that may decide the layout of the record or which
-    variables exist.
+    scenes differ in more than numbers, in numbers that may decide the layout of the record or which
+    variables exist, or, if there are signals, in [simulation].
     """
     if earlier_scene is scene:
         return []

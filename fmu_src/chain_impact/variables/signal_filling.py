@@ -21,7 +21,7 @@ def fill_signals(d: Any, scene: Scene, structure: Structure) -> None:
 
     The record has an entry for each input that a signal drives. The entry has the number of the input, the
     form and the values of the signal, and how often the kernel integrates the input over time: twice for an
-    acceleration of the base or a wall, once for a velocity or a belt's speed, and not at all for all others.
+    acceleration of the base or a wall, once for a velocity of these or a belt's speed, else not at all.
     """
     if not scene.signals:
         return

@@ -45,7 +45,10 @@ class Structure:
 
     @property
     def signal_quantities(self) -> dict[str, tuple[int, int]]:
-        """Quantity that a signal determines → (index k in ``signals``, index in ``signals[k].outputs``)."""
+        """Quantity that a signal determines → (index k in ``signals``, index in ``signals[k].outputs``).
+
+        If two signals determine it, as a target velocity, the later one counts.
+        """
         positions: dict[str, tuple[int, int]] = {}
         for row, signal in enumerate(self.signals):
             positions |= {name: (row, order) for order, name in enumerate(signal.outputs) if name}

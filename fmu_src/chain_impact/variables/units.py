@@ -54,7 +54,10 @@ def quotient(unit: str, parameter: str) -> str:
 
 
 def unit_of(name: str) -> Unit:
-    """Return the unit with a name, which must be a key of ``UNITS`` or a quotient of two keys."""
+    """Return the unit with a name.
+
+    Raises ValueError if the name is neither a key of ``UNITS`` nor a quotient of two keys.
+    """
     if name in UNITS:
         return UNITS[name]
     numerator, _, denominator = name.removesuffix(")").partition("/(")

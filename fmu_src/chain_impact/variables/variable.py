@@ -75,7 +75,8 @@ class Variable:
         """Return the variable of a kind that an owner has.
 
         ``texts`` has the texts for words in braces in templates, and the numbers that ``minimum`` and
-        ``maximum`` name. ``other_fields`` are further attributes, which replace those from the kind.
+        ``maximum`` name. ``other_fields`` are the other attributes of the variable; without ``variability``
+        among them, it is ``continuous`` for a real output in a part of OBSERVED, else ``discrete``.
         """
         changing = kind.record_path[:1] in OBSERVED and kind.unit
         text, rule = kind.description.format_map(texts), other_fields.get("rule")

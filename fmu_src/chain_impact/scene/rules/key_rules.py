@@ -60,7 +60,7 @@ class Derived:
     Attributes:
         text: the rule in words.
         value: function from the values read before to the default; the default is None if the scene has no
-            such value or gets it later (CONTACT_RADIUS), and ``MISSING`` if the file must give the key.
+            such value, or gets it after the reading, and ``MISSING`` if the file must give the key.
         terms: for each product of a sum, the keys whose values are multiplied; the default is the sum divided
             by ``divisor``. A key without a dot belongs to the same table. Empty if the default is no such
             sum.
