@@ -40,6 +40,18 @@ def test_an_actuator_without_a_joint_is_told_where_it_moves_the_chain(tmp_path, 
         assert len(told_of(done, "tendon u: stiffness")) == (name == "a")
 
 
+@pytest.mark.parametrize("flag", ["limit", "constraint", "spring"])
+def test_a_limited_tendon_is_told_unless_limits_or_constraints_are_off(tmp_path, flag):
+    limited = CABLE.replace('stiffness="5"', 'range="0 1"')
+    off = f'<option><flag {flag}="disable"/></option>'
+    text = arm(
+        world='<site name="root" pos="0 0 .5"/>', more='<site name="mid" pos=".2 0 0"/>', rest=limited + off
+    )
+    text = text.replace('<site name="tip"', '<geom name="ball" size=".05" mass="0"/><site name="tip"')
+    _, done = read(tmp_path, text)
+    assert len(told_of(done, "tendon u: limited")) == (flag == "spring")
+
+
 def test_a_weld_of_a_carriage_to_the_world_is_told(tmp_path):
     text = cart(rest='<equality><weld name="w" body1="box"/></equality>')
     for joints in (["x", "a", "b"], ["a", "b"]):

@@ -76,7 +76,8 @@ def chosen_joints(robot: Robot, wanted_names: Sequence[str], source: str) -> Cho
     names all joints move. ``source`` is the file's name for messages.
 
     Raises:
-        NoChainError: when the moving joints form no planar chain of hinges and slides, or a limit refuses it.
+        NoChainError: when the moving joints form no planar chain of hinges and slides, or the limits of a
+            joint leave it no room to move.
         UnknownNameError: when the robot has no joint with a wanted name.
     """
     held_names = _held_joints(robot, wanted_names, source)

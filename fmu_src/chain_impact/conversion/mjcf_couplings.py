@@ -12,16 +12,16 @@ import numpy as np
 
 from chain_impact.conversion.differences import Difference, SceneAspect
 
-FORCES = {
-    "tendon_stiffness": "SPRING",
-    "tendon_stiffnesspoly": "SPRING",
-    "tendon_damping": "DAMPER",
-    "tendon_dampingpoly": "DAMPER",
-    "tendon_frictionloss": "FRICTIONLOSS",
-    "tendon_limited": "LIMIT",
-    "tendon_armature": None,
+FORCES: dict[str, set[str]] = {
+    "tendon_stiffness": {"mjDSBL_SPRING"},
+    "tendon_stiffnesspoly": {"mjDSBL_SPRING"},
+    "tendon_damping": {"mjDSBL_DAMPER"},
+    "tendon_dampingpoly": {"mjDSBL_DAMPER"},
+    "tendon_frictionloss": {"mjDSBL_FRICTIONLOSS", "mjDSBL_CONSTRAINT"},
+    "tendon_limited": {"mjDSBL_LIMIT", "mjDSBL_CONSTRAINT"},
+    "tendon_armature": set(),
 }
-"""Field of the model that gives tendons an effect → flag that disables this effect; None without a flag."""
+"""Field of the model that gives tendons an effect → flags each of which disables this effect."""
 
 
 def joints_between(model: Any, bodies: Sequence[int]) -> frozenset[str]:
@@ -43,7 +43,7 @@ def couplings(mujoco: Any, model: Any) -> Iterator[Difference]:
     disabled_names = {
         name for name in dir(bits) if name.startswith("mjDSBL_") and flags & int(getattr(bits, name))
     }
-    if "mjDSBL_EQUALITY" not in disabled_names and "mjDSBL_CONSTRAINT" not in disabled_names:
+    if not {"mjDSBL_EQUALITY", "mjDSBL_CONSTRAINT"} & disabled_names:
         for e in np.flatnonzero(model.eq_active0):
             yield _equality(mujoco, model, int(e))
     for t in range(model.ntendon):
@@ -79,13 +79,13 @@ def _tendon(mujoco: Any, model: Any, t: int, disabled_names: set[str]) -> Iterat
     """Yield a difference for the tendon with index ``t`` if the tendon has an effect on the motion.
 
     The tendon has an effect if its length can change, a field in FORCES is not 0 for it, and the file does
-    not disable this effect.
-    ``disabled_names`` has the names (mjDSBL_…) of all flags by which the file disables features.
+    not disable this effect. ``disabled_names`` has the names (mjDSBL_…) of all flags by which the file
+    disables features.
     """
     acting = [
         field.removeprefix("tendon_")
-        for field, flag in FORCES.items()
-        if np.any(getattr(model, field)[t]) and f"mjDSBL_{flag}" not in disabled_names
+        for field, flags in FORCES.items()
+        if np.any(getattr(model, field)[t]) and not flags & disabled_names
     ]
     joints = tendon_joints(mujoco, model, t)
     if not (acting and joints):

@@ -240,7 +240,10 @@ def _left_out(scene: Scene) -> Iterator[str]:
 
 
 def _radii(scene: Scene) -> list[float | None]:
-    """Return the radii [m] of the points in ``contact.points``, then of the additional points of links."""
+    """Return the radii [m] of the points in ``contact.points``, then of the additional points of links.
+
+    None of these is None in a completed scene.
+    """
     contact = scene.contact
     return [contact.radius for _ in contact.points] + [site.radius for _, site in scene.chain.sites]
 

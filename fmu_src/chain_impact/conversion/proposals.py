@@ -104,10 +104,10 @@ def _candidates(robot: Robot, wanted_names: Sequence[str]) -> Iterator[list[str]
 
 
 def _paths(robot: Robot, group: Sequence[MovingJoint]) -> Iterator[list[MovingJoint]]:
-    """Yield for each outermost joint of a group: the joints of the group from the base up to this joint.
+    """Yield for each outermost joint of a group: the joints of the group at its body and at bodies before it.
 
-    A joint is outermost if no other joint of the group comes after it. The joints of the group must be in the
-    order from the base outwards.
+    A joint is outermost if no joint of the group is at a body after its own. The joints of the group must be
+    in the order from the base outwards.
     """
     for last in group:
         bodies_before = set(ancestors(robot, last.body))

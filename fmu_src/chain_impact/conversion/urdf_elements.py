@@ -80,7 +80,8 @@ def _allowed_instead(tag: str, value: str) -> str:
 def other_elements(root: Element) -> Iterator[Difference]:
     """Yield a difference for each element or attribute of a file that the conversion does not read.
 
-    Attributes in NO_EFFECT, elements in UNUSED_ELEMENTS, and shapes, which urdf.py reads, are left out.
+    Attributes in NO_EFFECT, elements in UNUSED_ELEMENTS, mimic elements of fixed joints, and shapes, which
+    urdf.py reads, are left out.
     """
     yield from _attributes(root, "robot", root)
     for part in root:
@@ -108,7 +109,7 @@ def _inner_elements(part: Element, path: str) -> Iterator[tuple[str, Element]]:
     """Yield path and element for all elements inside ``part``, which has the path ``path``.
 
     Elements inside an element that is not in USED_ATTRIBUTES are left out, because such an element is
-    reported as a whole.
+    reported as a whole or not at all.
     """
     for element in part:
         if isinstance(element.tag, str):

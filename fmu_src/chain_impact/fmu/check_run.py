@@ -119,7 +119,7 @@ class CheckRun:
 
         The step is the fixed internal step of the FMU, else the step of its default experiment, else 1/500 of
         the duration of this experiment, whose stop time is 1 s if none is given; 1 ms if the duration is not
-        > 0.
+        above 0.
         """
         experiment, stepper = self.description.defaultExperiment, self.description.coSimulation
         fixed = _number(stepper, "fixedInternalStepSize", 0.0)

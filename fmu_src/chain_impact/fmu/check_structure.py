@@ -78,7 +78,7 @@ class ModelStructure:
                 yield Finding(f"{target!r} must be {reference_text}", attribute=path)
 
     def findings(self) -> Iterator[Finding]:
-        """Yield the faults of the model structure, if it has no ``missing_variable_faults``.
+        """Yield the faults of a model structure that has no ``missing_variable_faults``, which it needs.
 
         An unknown may be missing, superfluous, listed twice or in the wrong place; a dependency may be wrong,
         and so may the kind of a variable that gives the size of an array.

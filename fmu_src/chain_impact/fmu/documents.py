@@ -53,7 +53,11 @@ EDGES = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
 
 
 def documents(prepared_scene: PreparedScene, fmi: int) -> dict[str, bytes]:
-    """Return the documents by their paths in an FMU of version 2 or 3 of FMI."""
+    """Return the documents by their paths in an FMU of version 2 or 3 of FMI.
+
+    Raises:
+        BuildError: when chain-impact is installed without its licence.
+    """
     # imported here, because the import takes a second
     from chain_impact.pictures.chain_at_start import icon
 

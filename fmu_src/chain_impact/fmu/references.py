@@ -133,7 +133,7 @@ def reference(prepared_scene: PreparedScene) -> Reference:
 def _reference_results(prepared_scene: PreparedScene, times: np.ndarray) -> Reference:
     """Return the reference results at ``times``, equally spaced from 0 [s]; NaN near onsets and ends.
 
-    The results end where runs with two tolerances begin to differ.
+    The results end where runs with two tolerances begin to differ, or where the shorter of these runs ends.
     """
     ends = {f"point[{k}].{axis}" for k in (0, prepared_scene.counts.link_count) for axis in "xy"}
     ends |= {f"link[{i}].angle" for i in (1, prepared_scene.counts.link_count)}

@@ -81,7 +81,10 @@ def joined_script(*names: str) -> str:
 
 
 def module_files(*names: str) -> list[str]:
-    """Return the files ``names`` and all files that these import, imported ones first, from pages/browser."""
+    """Return the files ``names`` and all files that these import, imported ones first, from pages/browser.
+
+    No file may import itself, not even through other files.
+    """
     found_files: list[str] = []
 
     def add(name: str) -> None:

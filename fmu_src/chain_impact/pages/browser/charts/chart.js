@@ -127,7 +127,8 @@ export class Chart {
 
   /**
    * Let the mouse, or the arrow keys while the chart has the focus, read values at a place of the horizontal axis; the key Enter goes to
-   * the time at this place. In an enlarged chart, the key + shows half of the axis around this place, and − the whole axis.
+   * the time at this place, and Escape ends the reading. In an enlarged chart, the key + shows half of the axis around this place, and −
+   * the whole axis.
    */
   #connect() {
     const { element } = this;

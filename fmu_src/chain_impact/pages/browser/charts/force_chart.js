@@ -41,7 +41,7 @@ function depthText(tick, ticks) {
 
 /** The chart of the force of the present contact, over the time of the contact or over its penetration. */
 export class ForceChart extends Chart {
-  /** `pointer.seek` is called to go to a time of a contact: with the time [s] and the contact. */
+  /** `pointer.seek` is called to go to a time [s], with this time and the contact or, if the chart shows impulses, with the time alone. */
   constructor(element, quantity, title, loopButton, pointer) {
     super(element, 120, pointer);
     Object.assign(this, { quantity, title, loopButton });
@@ -99,7 +99,7 @@ export class ForceChart extends Chart {
     };
   }
 
-  /** Return the labels of the horizontal axis: penetrations, or times since the onset or, in a part around the present time, times. */
+  /** Return the labels of the horizontal axis: penetrations; times of the run (impulses, a part around now); else times since the onset. */
   #alongTexts(ticks) {
     if (this.isAroundNow) return timeTexts(ticks.map((tick) => tick + this.shown.onset));
     return ticks.map((tick) => (this.loop ? depthText : ticksText)(tick, ticks));
@@ -145,7 +145,10 @@ export class ForceChart extends Chart {
     this.#placePeak();
   }
 
-  /** Place the text of the force where it covers no curve, no letter, and not the line at the present time. */
+  /**
+   * Place the text where it covers no curve, no letter, and not the line at the present time. Without such a place, a force stands at the
+   * first candidate all the same, while an impulse is hidden.
+   */
   #placePeak() {
     const { clientWidth: width, clientHeight: height } = this.plot.over;
     const space = new LabelSpace(width, height, 0);
@@ -181,7 +184,10 @@ export class ForceChart extends Chart {
     if (isNear || this.isNearLine) this.#placePeak();
   }
 
-  /** Return a text with the time [s] since the onset and the force then; "" for a loop, where a penetration can have two forces. */
+  /**
+   * Return a text with a time and the force then. The time is that since the onset or, in a part around now, that of the run; for impulses
+   * it stands alone. The text is "" for a loop, where a penetration can have two forces. `time` [s]: place on the horizontal axis.
+   */
   readingAt(time) {
     if (this.loop) return "";
     if (this.impulses) return `${withMinus(fixed(time, 4))} s`;
@@ -336,7 +342,10 @@ export class ForceChart extends Chart {
     Object.assign(this.title, { textContent: text, title: text }); // the title may be cut, so its whole text is also the tooltip
   }
 
-  /** Return the `points` of the curve of a compared recording at the partner of a contact or, without a curve, the reason `why`. */
+  /**
+   * Return the `points` of the curve of a compared recording at the partner of a contact, with `end`, the duration of the partner, and, if
+   * it is doubtful that the two contacts belong together, `why`; without a curve, only `why`.
+   */
   #courseIn(other, contact) {
     const { partner, isDoubtful } = partnerOf(contact, this.recording, other);
     if (!partner) return { why: "no such impact near" };

@@ -7,7 +7,10 @@ const FAR_FROM_CURVES = 30; // [pixels] a dot at this distance from all other cu
 // horizontal positions of equally good places for the letters, relative to the width of the chart: of A, and from each letter to the next
 const [LETTERS_FROM, LETTERS_APART] = [0.1, 0.19];
 
-/** Return the places along a curve, a list of positions, at distances of at most `step`, which lie inside of the box. */
+/**
+ * Return the places along a curve, a list of positions, at distances of at most `step`, which lie inside of the box: `inset` from its
+ * edges, and `half` more from those at its sides.
+ */
 function placesAlong(curve, step, { left, top, width, height }, inset, half = 0) {
   const side = inset + half;
   const isInside = ([x, y]) => x >= left + side && x <= left + width - side && y >= top + inset && y <= top + height - inset;
@@ -28,9 +31,10 @@ function placesAlong(curve, step, { left, top, width, height }, inset, half = 0)
 
 /**
  * Return the position of the letter of each of some compared curves, {course, letter, half}: where the curve is far from all other curves
- * and from the positions `taken`, to which the position is added. A curve without such a place has none (undefined), unless it is the
- * first with its letter. `own`: the courses of the present motion; a course is a list of positions [pixels of the canvas]; `half`: half of
- * the width of a letter beyond its dot; `box`: that of the plot; `density`: pixels of the canvas for a pixel of the page.
+ * and from the positions `taken`, to which the position is added. A curve without such a place has none (undefined) or, if it is the first
+ * with its letter, the best place of those in the box, if any is. `own`: the courses of the present motion; a course is a list of
+ * positions [pixels of the canvas]; `half`: half of the width of a letter beyond its dot; `box`: that of the plot; `density`: pixels of
+ * the canvas for a pixel of the page.
  */
 export function letterPositions(compared, own, taken, box, density) {
   const [step, far, apart] = [PLACES_APART * density, FAR_FROM_CURVES * density, LETTERS_FREE * LETTER_DOT * density];

@@ -220,7 +220,7 @@ export class TimeChart extends Chart {
   }
 }
 
-/** The chart of all energies over the whole time; the zero of the potential energy is moved to close a large gap between curves. */
+/** The chart of all energies over time; the zero of the potential energy is moved to close a large gap between curves. */
 export class EnergyChart extends TimeChart {
   soft = true;
   energies = {}; // name of an energy → its values as they are drawn, with the offset

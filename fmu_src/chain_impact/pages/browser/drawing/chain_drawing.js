@@ -117,7 +117,8 @@ export class ChainDrawing {
 
   /**
    * Return the index of the body beside which the number of a point stands: for an end of the chain the outline of its link, or −1 if the
-   * link has none; for a point of a link the outline with the nearest corner; undefined for a joint between two links.
+   * link has none; for a point of a link the outline with the nearest corner, or −1 if no link has any; undefined for a joint between two
+   * links.
    */
   #nearestBody(point) {
     const { links, bodies } = this.recording;

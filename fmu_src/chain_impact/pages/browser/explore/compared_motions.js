@@ -30,8 +30,8 @@ export class ComparedMotions {
   }
 
   /**
-   * Listen to changes of parameters from now on: the motion that is shown when a gesture begins becomes the motion before the change.
-   * `handles`: those with which the reader drags.
+   * Listen to changes of parameters from now on: the motion that is shown when a gesture begins becomes the motion before the change, but
+   * not if it is of a scene with another name. `handles`: those with which the reader drags.
    */
   follow(changes, handles) {
     onGesture(changes, handles, (isBegin) => {
@@ -286,8 +286,8 @@ export class ComparedMotions {
 
 /**
  * Return words for the parameters in which a motion with the changes `changed` differs from another motion or, if it differs in none, for
- * all its changes. `all`: the changes of all motions; `unchangedText`: the texts of the motion's other parameters. Parameters with more
- * different values in the changed motions come first.
+ * all its changes. `all`: the changes of all motions; `unchangedText`: a function that returns the text of another parameter of the motion.
+ * Parameters with more different values in the changed motions come first.
  */
 function valuesText({ changed, unchangedText }, all) {
   const names = [...new Set(all.flatMap((one) => [...one.keys()]))];

@@ -131,7 +131,10 @@ export class CurveChoice {
     return { button, showState: () => button.setAttribute("aria-pressed", areChosen()) };
   }
 
-  /** Return the element for a quantity: a heading and, for each axis or wall, a line of outputs with a button that chooses all of them. */
+  /**
+   * Return the element for a quantity, with its lines and members: a heading and, for each axis or wall, a line of outputs; a line of
+   * several outputs has a button that chooses all that are shown.
+   */
   #quantity(heading, members) {
     const units = [...new Set(members.map(({ unit }) => unit))];
     const lines = [...new Set(members.map(({ line }) => line))].map((line) => {
@@ -171,7 +174,10 @@ export class CurveChoice {
     charts.scrollIntoView({ block: "nearest" });
   }
 
-  /** Choose the outputs that a text names, and tell the fault of other names; without any output, the choice stays. */
+  /**
+   * Choose the outputs that a text names, and tell the fault of other names; an empty text chooses none. A text with only names that no
+   * output has, or with too many outputs, leaves the choice as it is.
+   */
   #choose(text) {
     try {
       const { names, fault } = namesIn(text, this.#columns);

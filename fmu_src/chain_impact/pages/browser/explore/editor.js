@@ -222,8 +222,8 @@ export class Editor {
   }
 
   /**
-   * Return the cells of a link's row. The cells of link 1 of a free chain, which has no joint 1, have no fields for stops. The only link
-   * of a chain has no button that removes it.
+   * Return the cells of a link's row. Link 1 of a free chain, which has no joint 1, has no fields for stops. The only link of a chain has
+   * no button that removes it.
    */
   #linkRow(file, link, k) {
     const { base, links } = file.chain;

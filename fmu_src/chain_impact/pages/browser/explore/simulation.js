@@ -133,8 +133,8 @@ export class Simulation {
   }
 
   /**
-   * Return two sentences for a run with `values` that stopped: when, and with which changes it began to stop or, without any, what to
-   * change; and why it stopped.
+   * Return two texts for a run with `values` that stopped. The first tells when, and with which changes it began to stop or, without any,
+   * what to change; the second why it stopped and, with changes, what to change. Without changes and advice, the first tells why.
    */
   #stopText(run, values) {
     const { changes } = this;

@@ -13,8 +13,8 @@ const BUTTON_KEYS = {
 };
 
 /**
- * Connect buttons, slider and keys with the clock. Without a recording, the keys, the slider and the buttons that change the time
- * do nothing. Return a function that must be called when the clock has another recording.
+ * Connect buttons, slider and keys with the clock. Without a recording, the slider, the buttons that change the time, and all keys but
+ * e, m, x and / do nothing. Return a function that must be called when the clock has another recording.
  */
 export function connect(clock, drawing, zoom) {
   const actions = {

@@ -4,8 +4,8 @@ const PARTED = 0.01; // distance of a point in one motion from the same point in
 const [TIMES_COMPARED, HALVINGS] = [400, 16]; // numbers of times that are compared over the whole run, and of halvings of the interval then
 
 /**
- * Return the first time [s] at which a point of a chain is clearly elsewhere (PARTED) in the other one of two recordings; undefined if they
- * do not part while both last.
+ * Return the first time [s] at which a point of a chain is clearly elsewhere (PARTED) in the other one of two recordings; undefined if this
+ * is so at none of the compared times, which are equally spaced over the time that both last.
  */
 export function partingTime(one, other) {
   const [[left, low], [right, high]] = one.view;

@@ -7,7 +7,7 @@ const OF_OWNER = { point: "of a point", link: "of a link", joint: "of a joint", 
 const WITHOUT_OWNER = { energy: "Energy", impact: "Impacts so far", slider: "Slider", solver: "Solver", tip: "Tip", base: "Base" };
 const OF_AXIS = { x: "position", v: "velocity", a: "acceleration", y: "position" }; // first letter of a key such as vx → its quantity
 
-/** Return the parts of the name of an output: `owner` and its `number`, `wall`, and, as words, the `key` and its `axis`; "" without one. */
+/** Return the parts of an output's name: `owner`, its `number`, if any, and `wall`, `key` (in words) and `axis`, each "" without one. */
 function outputParts(name) {
   const [, owner, number, rest] = /^(\w+)(?:\[(\d+)\])?\.(.+)$/.exec(name);
   const parts = rest.split(".");

@@ -42,7 +42,7 @@ export class MapDrawing {
     const colours = filled.map((value, index) => value !== undefined && coloursOf(value, index));
     for (let pixel = 0; pixel < size * size; pixel += 1) {
       const [column, row] = [pixel % size, size - 1 - Math.floor(pixel / size)].map((at) => Math.floor((at + 1) / 2));
-      const colour = colours[row * points + column]; // false for a run without an output, for which nothing is drawn
+      const colour = colours[row * points + column]; // false for a run that is not simulated, as no run near it is: nothing is drawn
       if (colour) image.data.set(colour, 4 * pixel);
     }
     context.putImageData(image, 0, 0);

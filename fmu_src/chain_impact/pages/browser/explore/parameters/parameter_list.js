@@ -19,7 +19,7 @@ function keyNames(keys, owner = "") {
   });
 }
 
-/** Return a sentence that names the shortest of the keys in which each of the words is found, and which the scene lacks; "" for no key. */
+/** Return a sentence that names the (at most three) shortest of the keys in which each of the words is found; "" for no key. */
 function lacking(keys, words) {
   const found = keyNames(keys).filter((name) => words.every((word) => name.replaceAll("_", " ").includes(word)));
   const [first, ...others] = found.sort((a, b) => a.length - b.length);

@@ -90,7 +90,7 @@ class SignalDrawing {
     }));
   }
 
-  /** Return the least and the largest value of the signal in the run and, with steps, of these and 0. */
+  /** Return the least and the largest value of the signal in the run and, if it has steps, of 0 and the values of the steps, too. */
   get #ends() {
     const given = this.steps.map(({ value }) => this.changes.valueOf(value));
     const all = [...this.curves.map(({ values }) => values), given.length ? [0, ...given] : []];
