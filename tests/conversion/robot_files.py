@@ -1,4 +1,4 @@
-"""Small robot files, each with one feature that a plain chain of links does not have."""
+"""Templates of small robot files, into which tests put features that a plain chain of links does not have."""
 
 import pytest
 
@@ -101,12 +101,12 @@ def cart(**parts):
 
 
 def drives(*actuators):
-    """Return the actuators of an arm."""
+    """Return the element of MJCF with some actuators."""
     return f"<actuator>{''.join(actuators)}</actuator>"
 
 
 def key(**values):
-    """Return a keyframe."""
+    """Return the element of MJCF with one keyframe, k."""
     given = " ".join(f'{name}="{value}"' for name, value in values.items())
     return f"<keyframe><key name='k' {given}/></keyframe>"
 
@@ -127,13 +127,13 @@ def link(name, center=".15 0 0", mass=1, more=""):
 
 
 def joint(name, parent, child, place="0 0 0", **others):
-    """Return a joint of URDF."""
+    """Return a joint of URDF, by default a hinge about y without limits."""
     given = {"axis": "0 1 0", "kind": "continuous", "more": "", **others}
     return JOINT.format(name=name, parent=parent, child=child, place=place, **given)
 
 
 def urdf(*parts, attributes=""):
-    """Return a robot on a base."""
+    """Return the URDF of links and joints, with a link ``base`` in front of these."""
     return f'<robot name="r" {attributes}><link name="base"/>{"".join(parts)}</robot>'
 
 

@@ -179,7 +179,7 @@ OTHERWISE = {
         "joint b: mimic joint a: it follows another joint in the file",
     ),
 }
-"""Name → a file whose robot moves differently, and the begin of its first warning."""
+"""Name → a file whose robot moves differently, and the beginning of its first warning."""
 
 
 def beside(tmp_path, text, **choices):

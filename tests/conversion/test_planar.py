@@ -38,7 +38,7 @@ def body(name, parent, position, joints=(), **more):
 
 
 def arm(*joints, **more):
-    """Return links of 0.3 m, each along the x axis of the one before, and a tip."""
+    """Return a robot of bodies 0.3 m apart along x, each with one of the joints, and a tip 0.2 m further."""
     bodies = [body(f"b{i}", i - 1, (0.3 * (i > 0), 0.0, 0.5 * (i == 0)), [j]) for i, j in enumerate(joints)]
     bodies.append(body("tip", len(joints) - 1, (0.2, 0.0, 0.0), mass=0.0, inertia=np.zeros((3, 3))))
     return Robot(name="arm", bodies=bodies, gravity=DOWN, **more)

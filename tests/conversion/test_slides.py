@@ -59,7 +59,7 @@ def test_a_slide_is_a_slider_with_what_its_joint_and_drives_have(tmp_path):
 
 
 def test_remarks_on_joints_of_a_free_base_name_no_table_of_the_scene(tmp_path):
-    """A scene with a free base has no slider and no joint 1, so that it has no form of their limits."""
+    """A scene with a free base has no slider and no joint 1, so that limits of these joints have no place."""
     soft = 'range="-9 9" limited="true" frictionloss=".2"'
     scene, done = read(tmp_path, free(x=soft, z=soft, turn=soft))
     assert scene.chain.base == "free"

@@ -91,7 +91,8 @@ def mutants_of(whole):
 def fates(fmu):
     """Run each mutant, with a recomputed checksum, in its own process.
 
-    Return description → exit code (or minus the number of a signal), and the second result of ``mutants_of``.
+    Return description → exit code (or minus the number of a signal), with the right table as ``none``, and
+    the second result of ``mutants_of``.
     """
     library = guarded(fmu)
     file = library.folder / "resources" / "model.bin"

@@ -7,12 +7,11 @@ from typing import Any
 
 
 def in_clean(*models: str, kinds: str, module: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Return a function that runs in the clean process.
+    """Return a decorator for a test that runs in the clean process.
 
-    Its first arguments are the FMUs of models of some kinds; the other arguments are pytest's.
-
-    Without models, the argument is the FMU of pytest's parameter ``model``. ``kinds`` is a fixture with FMUs,
-    or one of KINDS of scenes.py. The function may use only its own imports and the names of the module.
+    The test's first arguments are the FMUs of the models; the other arguments are pytest's. Without models,
+    the first argument is the FMU of pytest's parameter ``model``. ``kinds`` is a fixture with FMUs, or one of
+    KINDS of scenes.py. The test may use only its own imports and the names of the module.
     """
     of_all = kinds in ("pythonfmu", "native", "fmi3")
 
@@ -39,4 +38,4 @@ importing = partial(in_clean, kinds="fmus", module="importer")
 calling = partial(in_clean, kinds="native", module="interface")
 """Decorator: a test on native FMUs in a process with interface.py."""
 calling3 = partial(in_clean, kinds="fmi3", module="interface3")
-"""Decorator: a test in a process with interface3.py."""
+"""Decorator: a test on FMUs for FMI 3.0 in a process with interface3.py."""

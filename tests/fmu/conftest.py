@@ -73,9 +73,9 @@ def clean_python(tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="session")
 def clean(clean_python, tmp_path_factory) -> Iterator[Clean]:
-    """Run ``function(*arguments)`` in a process of the clean Python.
+    """Yield a function that runs ``function(*arguments)`` in a process of the clean Python.
 
-    The function may use its own imports, and importer.py or the given ``module``.
+    ``function`` may use its own imports, and the names of importer.py or of another ``module``, if given.
     """
     folder = tmp_path_factory.mktemp("clean")
     processes = Processes(folder, Path(__file__).parent, clean_python, "-I", "-X", "faulthandler")
@@ -97,7 +97,7 @@ def run3(clean) -> Clean:
 
 @pytest.fixture(scope="session")
 def fmi3(all_fmus) -> dict[str, str]:
-    """Return the FMU of each model."""
+    """Return the FMU for FMI 3.0 of each model."""
     return all_fmus["fmi3"]
 
 

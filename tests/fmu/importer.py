@@ -60,7 +60,7 @@ class Instance:
         self.time = 0.0
 
     def start(self, start_time: float = 0.0, stop_time: float | None = None, **values: float) -> Instance:
-        """Set up, set parameters and initialize."""
+        """Set up, set variables, initialize, and return the instance."""
         self.fmu.setupExperiment(startTime=start_time, stopTime=stop_time)
         self.set(values)
         self.fmu.enterInitializationMode()
@@ -110,7 +110,7 @@ class Instance:
 
 
 def refused(path: str, *calls: Any) -> str:
-    """Return the log message of the FMU when the last call of an instance fails; "" if the call succeeds."""
+    """Return the log messages of the last call of an instance, one a line; "" if the call succeeds."""
     instance = Instance(path)
     try:
         for call in calls[:-1]:

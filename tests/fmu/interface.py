@@ -136,7 +136,7 @@ class Library(Binary):
 
 
 class States(NamedTuple):
-    """Names of the functions that get, set and free a state."""
+    """Names of the functions that get, set, free and serialize states."""
 
     get: str
     set: str
@@ -183,7 +183,7 @@ class Instance:
         return data.raw
 
     def restore(self, data: bytes) -> int:
-        """Restore a state from bytes."""
+        """Restore a state from bytes; return the status."""
         state = c_void_p()
         status = self.call(self.STATES.deserialize, data, c_size_t(len(data)), byref(state))
         if status == OK:
@@ -241,7 +241,7 @@ def state_calls(names: States) -> dict[str, Callable[[Any], int]]:
 
 
 class Component(Instance):
-    """An instance of FMI 2.0; each function returns the status."""
+    """An instance of FMI 2.0; functions of the standard return the status, those that read also the value."""
 
     STATES = States.of("FMUstate", "DeSerialize", "fmi2")
 

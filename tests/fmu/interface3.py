@@ -115,7 +115,7 @@ class Component(Instance):
         return [self.call("UpdateDiscreteStates", *map(byref, places)), *(place.value for place in places)]
 
     def set(self, name: str, value: float) -> int:
-        """Set a Float64 or, if it is an int, an Int64."""
+        """Set a Float64 or, if the value is an int, an Int64."""
         kind, cell = ("Int64", c_int64(value)) if isinstance(value, int) else ("Float64", c_double(value))
         reference = c_uint32(self.library.references[name])
         return self.call(f"Set{kind}", byref(reference), c_size_t(1), byref(cell), c_size_t(1))
@@ -198,4 +198,5 @@ ALLOWED = {
     "SetInt64": SETTING,
     **{name: set() for name in NEVER},
 }
-"""The state machine; all else can be called at any time: of types that no variable has, for nothing."""
+"""The state machine. Functions that are not here can be called in every phase; the calls of those for types
+that no variable has name no variables."""

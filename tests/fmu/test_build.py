@@ -123,7 +123,7 @@ def test_the_description_is_that_of_the_scene_for_both_kinds_of_fmi2(all_fmus, m
 
 @pytest.fixture(scope="module", params=FMIS.values())
 def descriptions(request):
-    """Return model → (elements of variables by name, with child elements; the model description)."""
+    """Return the version of FMI, and model → (attributes and tag of each variable; the model description)."""
     found = {}
     for model in model_names():
         root = model_description(PreparedScene(load_scene(model)), "a tool", request.param)
@@ -287,7 +287,7 @@ def test_outputs_keep_their_ranges(fmus, clean):
 
 
 def responses(fmu, laws):
-    """Return, for each law, the outputs that an input changes at once, in flight, in contact and at rest.
+    """Return, for each law that can start, the outputs that an input changes at once at any time of a run.
 
     Smaller changes than the solver's tolerance do not count: the solver puts points at rest back onto a rigid
     wall when it starts anew.

@@ -80,7 +80,7 @@ def test_the_state_machine(fmu):
 
 @calling3("rod_drop")
 def test_null_pointers_are_refused(fmu):
-    """Call every function with a null instance, and with an instance in each mode and null arguments."""
+    """Call functions with a null instance, and with instances in step and event mode and null arguments."""
     library = Library(fmu)
     nobody, stepping = Component(library), Component(library).start()
     in_event = Component(library).bring_to("event mode")

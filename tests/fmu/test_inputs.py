@@ -1,4 +1,4 @@
-"""The inputs of the FMU in a clean process: torques at the joints."""
+"""The inputs of the FMU in a clean process: torques and targets of joints, motions of a base and walls."""
 
 import itertools
 
@@ -13,7 +13,10 @@ from tests.fmu.scenes import scene_of
 
 
 def driven(fmu, torques, period, steps):
-    """Run with torques at joints 1 and 2, constant in each period, at some communication steps per period."""
+    """Run with torques at joints 1 and 2, constant in each period of some communication steps.
+
+    Return the names of the outputs, and a row of values at the start and at the end of each period.
+    """
     instance = Instance(fmu).start()
     names = [*instance.outputs]
     rows = [instance.get(names)]
@@ -39,7 +42,10 @@ def test_inputs_depend_neither_on_the_communication_step_nor_on_the_kind(fmus, a
 
 
 def followed(fmu, targets, period):
-    """Run with target angles of joint 2, each constant for a period."""
+    """Run with target angles and velocities of joint 2, each constant for a period.
+
+    Return the names of the outputs, and a row of values at the end of each period.
+    """
     values = [{"joint[2].target_angle": one, "joint[2].target_velocity": other} for one, other in targets]
     instance, rows = Instance(fmu).start(**values[0]), []
     for k, given in enumerate(values):

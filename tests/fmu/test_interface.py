@@ -310,7 +310,7 @@ def test_fmus_do_not_mix_where_symbols_are_global(fmu, other):
 
 
 def fates_of_tables(fmu):
-    """Return the results for mutants of resources/model.bin, by all functions of broken_tables.py."""
+    """Return the results of ``fates``, which the clean process has from broken_tables.py."""
     return fates(fmu)  # noqa: F821
 
 

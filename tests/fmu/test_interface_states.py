@@ -75,9 +75,9 @@ def test_no_byte_of_a_state_can_change(fmu):
 
 @calling("rod_drop", kinds="fmus")
 def test_no_state_leads_out_of_the_record(fmu):
-    """States with a valid checksum have one huge, negative or small word in their record.
+    """States with a valid checksum have one word of their record huge, negative or 1000.
 
-    Then a step follows.
+    A step follows where such a state is accepted.
     """
     one = Component(Library(fmu)).start()
     one.step(0.0, 0.5)

@@ -44,9 +44,9 @@ def foreign(tmp_path_factory):
 
 
 def in_turns(fmus, lots):
-    """Run many groups of instances, one of each FMU, in turns.
+    """Run ``lots`` groups of instances, of which each has one of each FMU; those of a group run in turns.
 
-    The other instances continue after the end of one.
+    The other instances continue after the end of one. Return the rows of outputs by group and FMU.
     """
     lives = []
     for _ in range(lots):
@@ -78,7 +78,7 @@ def test_fmus_of_all_kinds_and_a_foreign_one_do_not_mix(all_fmus, foreign, clean
 
 
 def growth(fmu, warm_up, cycles):
-    """Return the growth of the process [kB] after an instance is made, run and freed."""
+    """Return the growth of the process [kB] for each time that an instance is made, run and freed."""
     import gc
     import resource
     from pathlib import Path

@@ -45,7 +45,7 @@ def fmu(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def fmu3(tmp_path_factory):
-    """Return an FMU of FMI 3.0 for all platforms that run on this machine."""
+    """Return an FMU of FMI 3.0 for the platforms that run on this machine, itself or emulated."""
     platforms = [HOST, "win64", "aarch64-linux"]
     folder = tmp_path_factory.mktemp("all3")
     return build_fmu("rod_drop", folder, target="native", fmi=3, platforms=list(dict.fromkeys(platforms)))
@@ -164,7 +164,7 @@ def here(fmu, fmu3, tmp_path_factory):
 
 
 def assert_same(fmu, fmu3, machine, folder, here):
-    """Assert the same bits."""
+    """Assert that both hosts on a machine give the same bits as on this one."""
     found, impacts, last = here
     np.testing.assert_array_equal(rows(fmu, machine, folder), found)
     others, other_last = events(fmu3, machine, folder)

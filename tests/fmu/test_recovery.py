@@ -22,7 +22,7 @@ def expected():
 
 
 def recorded(fmu, size, events=False, stop=None):
-    """Return the columns of the impacts from fmpy's own loop in the clean process."""
+    """Return the columns of time, impacts and solver from fmpy's own loop in the clean process."""
     import fmpy
 
     modes = {"use_event_mode": True, "early_return_allowed": True} if events else {}
@@ -37,7 +37,7 @@ def table(record):
 
 
 def assert_recovered(record, impacts):
-    """Assert equal onsets, points and walls, and peaks and impulses within the resolution of the samples."""
+    """Assert equal onsets, points, walls and impact speeds, and all else within small errors."""
     found = table(record)
     assert len(found) == len(impacts)
     for name in ("onset", "point", "wall", "impact_speed"):

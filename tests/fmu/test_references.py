@@ -81,7 +81,7 @@ def test_the_results_are_those_of_another_method_at_a_tight_tolerance(native, mo
 
 @pytest.mark.full("takes long")
 def test_the_times_are_those_that_can_be_relied_on():
-    """No time is close to the begin or end of a contact; chaotic motion leaves about 2 of 1000 s."""
+    """No time is close to the beginning or end of a contact; chaotic motion leaves 1 to 10 of 1000 s."""
     scene = load_scene("four_link_box")
     usual, long, fine, coarse = (
         reference(PreparedScene(scene.with_values(changes)))
@@ -147,7 +147,7 @@ def test_a_result_that_is_left_out_is_not_compared(spoil):
 
 
 def test_another_model_is_found(native, tmp_path):
-    """The FMU of a softer wall with the stiff wall's results fails in the first row after an impact."""
+    """The FMU of a softer wall with the stiff wall's results fails soon after the first impact."""
     soft = load_scene("four_link_box").with_values({"contact.stiffness": 0.99e8})
     with zipfile.ZipFile(native["four_link_box"]) as right:
         path = spoiled(

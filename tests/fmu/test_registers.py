@@ -32,7 +32,7 @@ STEPS = 300  # number of steps of 1/512 s
 
 @pytest.fixture(scope="module")
 def hosts(tmp_path_factory):
-    """Return the compiled host program for each version of FMI."""
+    """Return the folder of the compiled host programs for both versions of FMI, fmi2 and fmi3."""
     folder = tmp_path_factory.mktemp("hosts")
     for version in (2, 3):
         options = [*WARNINGS, f"-DFMI={version}", *(f"-I{place}" for place in INCLUDES)]
@@ -63,7 +63,7 @@ def ways(request, strict, hosts):
 
 @needs_compilers
 def test_the_bits_are_the_same_whatever_a_host_has_set(ways):
-    """The program ends with an error if a call changes the registers, or with a signal."""
+    """The program ends with an error if a call changes the registers, and by a signal if a trap acts."""
     assert len(ways) == WAYS
     _, usual = ways[USUAL]
     assert len(set(usual)) > STEPS

@@ -115,7 +115,7 @@ def test_an_instance_can_be_freed_after_a_fault(fmu):
 
 
 def raised(fmu, values):
-    """Return the exception of fmpy, and the printed message if the importer does not log."""
+    """Return the text of fmpy's exception, "" without one, and what is printed: fmpy does not log here."""
     import contextlib
     import io
 

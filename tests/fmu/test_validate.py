@@ -210,7 +210,7 @@ def test_findings_that_differ_only_in_the_variable_share_a_line(native, tmp_path
 
 
 def test_an_alias_is_no_fault(native, tmp_path):
-    """FMI 2.0 calls two outputs with equal value and unit an alias."""
+    """In FMI 2.0 two outputs may have one value reference: each is an alias of the other."""
 
     def change(name, content):
         if name != XML:
@@ -284,7 +284,10 @@ int fmi2GetReal(void *c, const unsigned vr[], size_t n, double values[]) {
 
 @pytest.fixture
 def found(native, tmp_path):
-    """Return a function that finds the faults of an FMU with the given C source."""
+    """Return a function that finds the faults of an FMU with the given C source.
+
+    Functions of the standard that the source does not define return ``status``.
+    """
 
     def found(source, status, **options):
         names = (name for name in co_simulation_functions() if f"{name}(" not in source)

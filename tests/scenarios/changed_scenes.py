@@ -6,7 +6,7 @@ from chain_impact.scene.scene import scene_from_dict
 
 
 def changed(data, **tables):
-    """Return the table of a scene from data, with some added tables."""
+    """Return a copy of the table of a scene, with keys of some tables added or replaced."""
     data = deepcopy(data)
     for name, table in tables.items():
         data[name] = {**data.get(name, {}), **table} if isinstance(table, dict) else table

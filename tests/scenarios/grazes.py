@@ -19,7 +19,10 @@ def instance(law):
 
 
 def set_motion(record, random, motion):
-    """Draw a motion for a rod; return the time [s] of its tip's maximal height, and this height [m]."""
+    """Put a random rod and its motion, thrown or spinning, into a record.
+
+    Return the time [s] at which its tip is highest, and this height [m].
+    """
     length, speed = random.uniform(0.3, 2.0), random.uniform(1.0, 9.0)
     gravity, spin = (random.uniform(1.0, 20.0), 0.0) if motion == "thrown" else (0.0, speed)
     angle, drift = random.uniform(-1.4, 1.2), random.uniform(-3.0, 3.0)

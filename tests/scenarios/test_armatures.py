@@ -86,7 +86,7 @@ def test_a_stop_meets_the_inertia_of_link_and_armature(law):
 
 
 def test_a_held_chain_has_the_moments_of_its_armatures():
-    """A tip slides along a rigid floor: forces of constraint hold the tip there; the energy is constant."""
+    """A tip slides along a rigid floor: forces of constraint hold the tip there; the energies balance."""
     links = [ROD | {"joint_armature": 0.4}, ROD | {"joint_armature": 2.0, "joint_friction": 0.1}]
     initial = {"angles": [0.6, -0.6], "angular_velocities": [0.0, 0.0]}
     contact = {"model": "newton_impact", "points": [2], "restitution": 0.0}

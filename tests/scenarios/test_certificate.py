@@ -29,7 +29,7 @@ def steps(scene):
 
 
 def at(step, x):
-    """Return the variables of P at a place of the step."""
+    """Return the variables of the step's polynomial at a place x of the step."""
     return np.array([float(series[0].mid()) for series in step.course(arb(x), 0)[0]])
 
 

@@ -17,7 +17,7 @@ TORQUES = [variable.name for variable in PreparedScene(SCENE).inputs]
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory):
-    """Return the completed co-simulations: (target, master) → time and columns."""
+    """Return a function of target and master: time and columns of a co-simulation, which runs once."""
     done = {}
 
     def get(target, master):
@@ -35,7 +35,7 @@ def runs(tmp_path_factory):
     params=[("native", "fmpy"), ("pythonfmu", "fmpy"), ("native", "libcosim"), ("native", "ecos")]
 )
 def run(request, runs):
-    """Run a co-simulation with each kind of FMU and each master."""
+    """Return time and columns of a co-simulation, with each kind of FMU, and with each master."""
     return runs(*request.param)
 
 

@@ -41,7 +41,7 @@ def slow_touch():
 
 
 def grazing():
-    """Return a rod that rotates about its centre and grazes the floor for 10⁻⁷ m: 1/ġ is 300 s/m."""
+    """Return a rod that rotates about its centre and enters the floor by 10⁻⁷ m: 1/ġ is 300 s/m."""
     scene = rod(0.5, 0.5 - math.sin(0.5) / 2 - 1e-7, 0.0, -10.0, stiffness=1e5, stop_time=0.3)
     return Case(scene, ("contact.stiffness", "initial.y", "initial.angular_velocity[1]"), (0.05, 0.3))
 
@@ -119,7 +119,7 @@ def test_a_point_that_may_leave_its_wall_at_rest_has_no_derivative(scene, parame
 
 
 def sloping(friction: float) -> Case:
-    """Return a puck that stops bouncing on its slope and rests: its friction exceeds the slope's tangent."""
+    """Return a puck that stops bouncing on a slope; ``friction`` is relative to the slope's tangent."""
     case = puck(friction=friction * np.tan(SLOPE))
     start = {"initial.vx": 4.0 * np.cos(SLOPE), "initial.vy": 4.0 * np.sin(SLOPE) - 0.25}
     scene = case.scene.with_values(start | {"contact.restitution": 0.4, "simulation.stop_time": 0.8})
@@ -193,7 +193,7 @@ def test_a_friction_that_is_zero():
 
 @pytest.mark.parametrize(("friction", "given"), [(0.35, False), (0.9, True)])
 def test_a_contact_that_begins_without_sliding(friction, given):
-    """A small speed is stopped soon; if the point slides in spite of that, then backward."""
+    """Much friction stops a small speed; with less, the point slides backward, so its sign counts."""
     still = {"initial.vx": 0.0, "contact.friction": friction, "simulation.stop_time": 0.1}
     scene = swinging().scene.with_values(still | {"solver.tolerance": 1e-12})
     told, result = limits(Case(scene, (), (0.1,)), ["initial.vx"])
@@ -302,7 +302,10 @@ def test_a_parameter_changed_before_a_mode_ends_acts_alone(name, early):
 
 
 def symmetric(**initial: float) -> Case:
-    """Return three links without gravity whose outer links counter-rotate. Both dry joints stop at once."""
+    """Return three links without gravity whose outer links counter-rotate.
+
+    Without other ``initial`` values both dry joints stop at the same time.
+    """
     dry = {"length": 0.3, "mass": 0.5, "joint_friction": 0.2}
     scene = table(
         [{"length": 0.3, "mass": 0.5}, dry, dry],
@@ -333,7 +336,7 @@ def test_two_joints_that_stop_at_one_moment():
 
 @pytest.mark.parametrize(("less", "given"), [(1e-7, False), (1e-6, True), (1e-2, True)])
 def test_a_joint_that_stops_slowly(less, given):
-    """A torque is almost as large as the joint's friction M: ω decreases by the fraction ``less`` of it.
+    """A torque is almost as large as the joint's friction M: only ``less`` times M slows the joint down.
 
     The joint stops after a time t = 0.1 s at the angle ω₀²/(2 ω̇), whose derivative by M is −½ t²/I.
     """

@@ -61,7 +61,7 @@ IMPACTS = {
     "ye": 3e-7,
     "flores": 3e-7,
 }
-# two laws that use the joint's inertia, and two laws that do not
+# laws whose damping depends on the joint's inertia, and others
 AT_A_STOP = ("hertz", "flores", "kelvin_voigt", "tsuji", "jankowski", "kuwabara_kono")
 OF_ALL_KINDS = {
     "sprung": sprung_chain(),

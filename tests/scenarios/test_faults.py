@@ -129,7 +129,7 @@ def test_a_point_that_leaves_a_rigid_wall_is_no_impact(restitution, floor):
 
 
 def test_the_search_for_events_counts_as_cost():
-    """The limit permits the evaluations, but not the searches over the points of a long chain at rest."""
+    """The limit permits the evaluations, but not the searches for events in addition."""
     start = {"position": [0.0, 0.6], "angles": [0.3, -0.5, 0.7]}
     scene = chain(3, start, contact={"model": "newton_impact", "restitution": 0.9})
     instance = Instance(scene)

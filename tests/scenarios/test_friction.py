@@ -53,7 +53,7 @@ def test_a_body_slides_as_coulombs_law_makes_it(body, slope, speed, friction, st
     rows = np.searchsorted(result.time, NEWTON_SLOW - 1e-9)
     way, velocity = along(result, slope), along(result, slope, prefix="v")
     for row, time in zip(rows, result.time[rows], strict=True):
-        # 1e-6: damped oscillations of the body continue
+        # damped oscillations of the body continue
         assert velocity[row] == pytest.approx(exact.velocity(time), abs=2e-6)
         assert way[row] - way[0] == pytest.approx(exact.way(time), abs=2e-6)
         if abs(time - exact.stop) > 0.05:
@@ -171,7 +171,7 @@ def test_a_motor_breaks_a_joint_loose_and_friction_holds_it():
 
 @pytest.mark.parametrize(("law", "off"), [("newton_impact", 1e-12), ("zhang_sharf", 1e-4)])
 def test_two_leaning_links_stop_where_their_energy_is_used_up(law, off):
-    """Both feet slide on a floor, without friction at the floor and gravity: m ℓ² ω²/3 = 2 M (θ₀ − θ)."""
+    """Both feet slide on a smooth floor, without gravity: m ℓ² ω²/3 = 2 M (θ₀ − θ)."""
     mass, length, moment, angle, speed = 0.5, 0.4, 1.5, 0.8, 3.0
     link = {"length": length, "mass": mass, "joint_friction": moment}
     initial = {

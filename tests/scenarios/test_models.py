@@ -124,7 +124,7 @@ def scale(name):
 
 
 def independent(model):
-    """Return rows of the reference until the two are compared, and there the independent motion."""
+    """Return the scene, at most 25 rows of the reference up to its end, and the independent motion."""
     scene, until = load_scene(model).with_values(CHANGED.get(model, {})), INDEPENDENT[model][0]
     time, _ = reference(model)
     rows = np.flatnonzero(time <= until + 1e-9)

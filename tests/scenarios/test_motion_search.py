@@ -17,7 +17,7 @@ from chain_impact.kernel.status import (
 from tests.helpers.campaigns.random_parts import Draw, upright
 
 SQUEEZED = (NO_ROOM, STEP_TOO_SMALL, EVENT_STORM, FORCES_NOT_FOUND)
-"""The final status of a run whose closing walls leave no room for the chain."""
+"""The statuses with which a run may end whose closing walls leave no room for the chain."""
 NORMALS = {"x_min": (1.0, 0.0), "x_max": (-1.0, 0.0), "y_min": (0.0, 1.0), "y_max": (0.0, -1.0)}
 
 

@@ -60,7 +60,7 @@ def chain():
 
 
 def finished(chain):
-    """Return the results of a chain for the next half second."""
+    """Return the saved state of a chain after the next half second."""
     chain.step(0.5)
     return chain.save()
 

@@ -133,7 +133,7 @@ SEEDS = {
     }.items()
 }
 OBSERVED = ("output", "latest", "step", "quadrature.dense", "budget", "contact_log")
-"""Fields that an observation may write: its results, and the dense output and time of the last step."""
+"""Fields in which an observation leaves something for later: results, dense output and time of a step."""
 GARBAGE = 1.7e11
 
 
@@ -152,7 +152,7 @@ def test_impacts_and_counts_do_not_depend_on_the_output_step(seeds):
 @pytest.mark.full("more cases", but="plain")
 @pytest.mark.parametrize("kind", ["plain", "stops", "friction"])
 def test_no_step_reads_what_observing_writes(kind):
-    """After each observation the test overwrites all written fields, and the run stays the same."""
+    """After each observation the test spoils all that it changed but for OBSERVED; the run is the same."""
     spoiled = 0
     for seed in SEEDS[kind]:
         try:
@@ -165,7 +165,10 @@ def test_no_step_reads_what_observing_writes(kind):
 
 
 def observed(seed: int, *, spoils: bool) -> tuple[bytes, int]:
-    """Return the results of a seed's scene with many reads of outputs, and the number of spoiled values."""
+    """Return impacts and counts of a seed's scene as bytes, and the number of spoiled values.
+
+    With ``spoils`` the outputs are read at 97 times, and what this changes is spoiled.
+    """
     instance = started(scene(seed), seed)
     stop, impacts, count = instance.prepared_scene.scene.simulation.stop_time, [], 0
     words = [word for name, word in reals(instance.record.dtype) if not name.startswith(OBSERVED)]
@@ -180,7 +183,7 @@ def observed(seed: int, *, spoils: bool) -> tuple[bytes, int]:
 
 
 def spoil(instance: Instance, words: list[int]) -> int:
-    """Observe, overwrite some words that the observation has changed, and return their number."""
+    """Observe, overwrite those of ``words`` that the observation has changed, and return their number."""
     numbers = instance.words.reshape(-1)
     before = numbers[words]
     instance.observe()

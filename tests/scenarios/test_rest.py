@@ -148,7 +148,10 @@ def test_a_rod_that_starts_at_rest_on_a_very_stiff_floor(law):
 
 @pytest.fixture(params=[RIGID, "zhang_sharf"])
 def resting(request):
-    """Return the default chain at rest after 10 s with a tip force as input, and an observing function."""
+    """Return the default chain at rest after 10 s, a function that runs it on, and whether walls are rigid.
+
+    The function runs to a time [s] with a new tip force [N], if given, and returns the outputs then.
+    """
     scene = quiet_chain(1e10, 0.05, model=request.param)
     instance = Instance(with_values(scene, {("inputs", "tip_force"): True}))
     out = np.zeros(1, instance.record.dtype["output"])

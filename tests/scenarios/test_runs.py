@@ -178,7 +178,7 @@ def test_an_fmu_leaves_no_files_behind(fmus, tmp_path, monkeypatch, settings):
 
 
 def changed(source, target, **members):
-    """Copy an FMU with some members changed by a function, or left out if it returns None."""
+    """Copy an FMU; ``members``: suffix of files → function that returns their new content, or None."""
     with zipfile.ZipFile(source) as old, zipfile.ZipFile(target, "w") as new:
         for name in old.namelist():
             key = Path(name).suffix[1:]

@@ -44,8 +44,7 @@ class ConversionChoices(NamedTuple):
             joints move.
         plane: directions, in the robot's axes, of the scene's x and y axes, such as ``-x,z``; None for the
             default of ``motion_plane_of``.
-        tip: name of the frame at which the last link ends, or of a body that has its origin there; None for
-            the one of these that is farthest from the last joint.
+        tip: name of the frame or body where the last link ends; None: the one farthest from the last joint.
         keyframe: name of the keyframe of MJCF at which the robot starts, or "none" for the pose of the file's
             elements; None for the first keyframe.
     """
@@ -174,8 +173,7 @@ class _Conversion:
         """Return gravity in space [m/s²], shape (3,), without the share that the file's gravcomp bears.
 
         If the share is not the same for all moving bodies with mass, each share other than 0 is reported, and
-        the whole gravity is returned. Bodies with mass that are in no link, and not on the slider of the
-        scene, are reported.
+        the whole gravity is returned. Bodies with mass in no link and not on the slider are reported.
         """
         still_names = []
         for b, body in enumerate(self.robot.bodies):
@@ -285,8 +283,7 @@ class _Conversion:
     def _mass(self, part: list[int], hinge: MovingJoint, axis: np.ndarray) -> dict[str, float]:
         """Return a link's mass, centre of mass (from ``hinge``) and inertia about this centre by their keys.
 
-        The offset of the centre from the axis is given only if it is not 0. A link without mass is refused.
-        ``part``: indices of the link's bodies; ``axis``: unit vector along the link.
+        An offset of 0 is left out; no mass is refused. ``part``: indices of its bodies; ``axis``: its line.
         """
         name = hinge.joint.name
         mass, center, inertia = self._inertia(part, hinge)

@@ -28,7 +28,7 @@ Signal = Callable[[Any], Any]
 
 
 def links_of(draw: Draw, kind: str) -> list[dict[str, float]]:
-    """Return equal or unequal links.
+    """Return links of equal lengths and masses, or of unequal ones.
 
     All joints of arches have dry friction, and many joints of other chains.
     """
@@ -51,7 +51,10 @@ def links_of(draw: Draw, kind: str) -> list[dict[str, float]]:
 
 
 def table_of(draw: Draw, kind: str) -> dict[str, Any]:
-    """Return the table of a scene: a chain falls on a rough floor or slope; arches are nearly flat."""
+    """Return the table of a scene: a chain falls on a rough floor or slope; arches are nearly flat.
+
+    Some rods have a wall beside them.
+    """
     links = links_of(draw, kind)
     friction, steep = draw.power(0.05, 1.6), 0.6 if kind == "arch" else 1.5
     contact: dict[str, Any] = {

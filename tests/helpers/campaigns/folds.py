@@ -43,7 +43,8 @@ def faults(scene: Scene) -> dict[str, float]:
     ``impulse``: a sum of impulses larger than the energy explains. ``loss``: an impact loses more than
     (1 − e²) T̂.
     ``held``: walls that hold points lose more than errors of steps explain. ``gain``: an increase of energy.
-    ``status``: the run ends early.
+    ``status``: the run ends early; its size is the number of the status. Only the first MOST_IMPACTS impacts
+    are looked at.
     """
     instance = Instance(scene)
     stop, found = scene.simulation.stop_time, {}

@@ -67,7 +67,10 @@ def vectors(loads: Any, count: int, kind: str) -> np.ndarray:
 
 
 def summed(parts: tuple[np.ndarray, ...]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the sums of parts over the links from each link on, (T, N, 2), and the largest size, (T,)."""
+    """Return the sums of parts over the links from each link on, (T, N, 2), and their scale, (T,).
+
+    The scale is the largest sum of magnitudes of one part over all links, along x or y.
+    """
     whole = sum(parts)[:, ::-1].cumsum(axis=1)[:, ::-1]
     sizes = [np.abs(part).sum(axis=1).max(axis=1) for part in parts]
     return whole, np.max(sizes, axis=0)

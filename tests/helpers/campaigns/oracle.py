@@ -1,7 +1,7 @@
 """The checks of the random search: rules from the laws of physics and the docs that hold for every run.
 
-The checks need no exact solution. Each check compares a value with a bound that docs/computation.md promises:
-the errors of a step are within the tolerance times scales of the model. ``judge`` takes the results of a run
+The checks need no exact solution. Each check compares a value with a bound. Bounds of errors are those that
+docs/computation.md promises: the tolerance times scales of the model. ``judge`` takes the results of a run
 (``Account``) and returns ``Finding``s with numbers; ``search.verdict`` runs a scene in a separate process
 with a time limit, so that a hang is a finding (tests/helpers/campaigns/search.py).
 """
@@ -42,7 +42,7 @@ DEEPER = 3.0  # largest depth, over the depth that the available energy can reac
 # time after the end of a contact for which its point may be inside the wall, over the contact's time scale
 LEFT = 0.01
 ROUND_OFF = 1e-12  # largest speed of unknown sign, over the speeds of the chain and a link length per second
-Row = tuple[str, float, float, str]  # a row of a check: kind, value, bound, and words for the bound
+Row = tuple[str, float, float, str]  # a row of a check: kind, value, bound, and words for the value
 
 
 @dataclass(frozen=True)
@@ -172,7 +172,8 @@ class Account:
 def account(scene: Scene, seed: int, memory: Any = None, rows: int = ROWS) -> Account:
     """Run a scene with the inputs of a seed, and return the results, at ``rows`` times after the start.
 
-    The run is in this process, with its record in ``memory``, if given, so that others can read it.
+    The run is in this process, with its record in ``memory``, if given, so that others can read it. A scene
+    that cannot start gives an account without rows, which is ``refused``.
     """
     begin = time.process_time()
     times = np.linspace(0.0, scene.simulation.stop_time, rows + 1)
@@ -273,7 +274,7 @@ def containment(run: Account) -> Iterator[Row]:
 
 
 def left_inside(run: Account) -> np.ndarray:
-    """Return how deep each candidate, in each row, may be after the end of its contact [m].
+    """Return how deep each candidate, in each row, may be after the end of its contact [m; at stops rad].
 
     A contact ends when its point will leave the wall within LEFT of the time scale δ*/v₀.
     """
@@ -322,11 +323,10 @@ def by_candidate(run: Account, name: str) -> np.ndarray:
 
 
 def depth_bound(run: Account, law: Law, energy: float) -> float:
-    """Return DEEPER times the depth δ with K δⁿ⁺¹/(n+1) = all energy so far, plus the depth at rest.
+    """Return DEEPER times the sum of the depth δ with K δⁿ⁺¹/(n+1) = ``energy`` [J] and the depth at rest.
 
-    The energy is the total at the start plus the supplied energy, minus the present potential energy. At
-    rest, K δⁿ = weight + tip force; for a stop, this force times the length of the chain, plus the torques of
-    the inputs and of the other joints' springs. The result is 0 for a rigid wall.
+    At rest, K δⁿ = weight + tip force; for a stop, this force times the length of the chain, plus the torques
+    of the inputs and of the other joints' springs. The result is 0 for a rigid wall.
     """
     if law.stiffness == 0.0:
         return 0.0
@@ -358,7 +358,7 @@ def contact_times(run: Account) -> Iterator[Row]:
     yield "backwards", backwards, 0.0, "a contact that ends before it begins [s]"
 
 
-# --- friction ----------------------------------------------------------------------------------------------
+# --- impulses ----------------------------------------------------------------------------------------------
 
 
 def falls(scene: Scene, outputs: Any) -> Iterator[Row]:

@@ -88,13 +88,16 @@ def dissipated_scale(run: Account) -> float:
 
 
 def available(run: Account) -> np.ndarray:
-    """Return the energy [J] that motion, walls and heat can have in each row: at the start plus supplied."""
+    """Return the energy [J] that motion, walls and heat can have in each row, at least 0.
+
+    It is the total energy at the start plus the supplied energy, minus the potential energy.
+    """
     outputs = run.outputs
     return np.maximum(0.0, outputs["total"][0] + outputs["supplied"] - outputs["potential"])
 
 
 def elastic_scale(run: Account) -> float:
-    """Return the largest product of a contact's K δⁿ and the scale of its penetration [J]."""
+    """Return the largest product of a contact's K δⁿ and the scale of its penetration [J]; 0 without any."""
     impacts, law = run.impacts, run.laws_of_impacts
     if not len(impacts):
         return 0.0

@@ -39,9 +39,10 @@ WORK = 5e6  # [1/s] evaluations per second at which a run ends early
 
 
 def bodies(seed: int) -> Scene:
-    """Return one to four links, most of them bodies, on any base, close to walls, some with stops.
+    """Return the scene of a seed: one to four links, most of them bodies, on any base, close to walls.
 
-    From the seed DRIVEN on, scenes also have drives, and walls or a base that may move.
+    Some joints have stops. From the seed DRIVEN on, scenes also have drives, and walls or a base that may
+    move.
     """
     draw = Draw(seed, 66)
     base = draw.one(("free", "pinned", "slider"))
@@ -127,7 +128,7 @@ def slider_of(draw: Draw) -> dict[str, Any]:
 
 
 def with_drives(data: dict[str, Any], draw: Draw) -> dict[str, Any]:
-    """Return the table with drives that have targets, forces or limits; a pinned base and walls may move."""
+    """Add drives with targets, forces or limits to a table, and return it; a pinned base, walls may move."""
     chain, count = data["chain"], len(data["chain"]["links"])
     joints, slides = range(1 + (chain["base"] == "free"), count + 1), chain["base"] == "slider"
     follow, pushed, stop = draw.chance(0.5), draw.chance(0.5), data["simulation"]["stop_time"]
@@ -173,7 +174,7 @@ def with_drives(data: dict[str, Any], draw: Draw) -> dict[str, Any]:
 
 
 def signal(draw: Draw, stop: float) -> dict[str, Any]:
-    """Return a signal of any form for a drive or a belt, over a time of ``stop`` [s]."""
+    """Return a constant, a sine, a ramp or steps for a drive or a belt, over a time of ``stop`` [s]."""
     size, start = draw.power(0.05, 5.0) * draw.one((-1.0, 1.0)), stop * draw.real(0.0, 0.6)
     return draw.one(
         (
@@ -274,7 +275,8 @@ def wrong_motion(run: Result) -> list[str]:
         model.set_inputs(run.time[row])
         y = state_of(run, model, row)
         place, look = model.locate(y), model.look(y, ())
-        # all forces except those of contacts and friction: P^T (M q̈ − f) = 0 must hold for the rest
+        # first all forces except those of contacts, stops and friction, which the loops below add; with all
+        # of them Pᵀ (M q̈ − f) = 0 must hold
         q = accelerations_of(run, row)
         force = (place.mass @ look.acceleration[..., None])[0, :, 0]
         sizes = [np.abs(force).max(), np.abs(place.mass[0] @ q).max(), 1e-3]

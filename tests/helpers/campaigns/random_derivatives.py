@@ -195,7 +195,7 @@ KINDS: dict[str, Callable[[Draw], Given]] = {
 def given(kind: str, seed: int) -> tuple[Scene, dict[str, Any], list[str]] | None:
     """Return a scene of a kind with all values given, its inputs, and at most three of PARAMETERS.
 
-    None if the package refuses the scene, because it starts in a wall.
+    None if the package refuses the scene, for example because it starts in a wall.
     """
     draw = Draw([*KINDS].index(kind), seed)
     table, inputs = KINDS[kind](draw)
@@ -215,7 +215,7 @@ def given(kind: str, seed: int) -> tuple[Scene, dict[str, Any], list[str]] | Non
 def check(kind: str, seed: int) -> Checked:
     """Return the comparison of the derivatives of a scene; it is empty if the package refuses the scene.
 
-    Only derivatives that are also wrong at a smaller tolerance count as wrong.
+    Only derivatives that are also wrong at a smaller tolerance, with larger differences, count as wrong.
     """
     case = given(kind, seed)
     if case is None:

@@ -56,7 +56,7 @@ LENGTH, FOLD_TOLERANCE = 0.5, 1e-8
 
 
 def scene(seed: int) -> Scene:
-    """Return the scene of a seed, of the kind with the last first seed up to this seed.
+    """Return the scene of a seed: the kind with the largest first seed in ``_KINDS`` up to ``seed`` makes it.
 
     Every third scene asks for loads, which does not change the motion.
     """
@@ -68,7 +68,7 @@ def sprung(scene: Scene, draw: Draw, weakest: float = 1e-3, stiffest: float = 1e
     """Return the scene with springs in some joints, a few of them stretched, and some links without inertia.
 
     The springs of a scene have 0.1 to 10 times a random stiffness [N·m/rad]. Without damping stiff springs
-    may oscillate without end, so the work is limited.
+    may oscillate without end, so the work is limited, and the stop time is at most 1 s.
     """
     angles, before, size = scene.initial.angles, (0.0, *scene.initial.angles), draw.power(weakest, stiffest)
     links = [asdict(link) for link in scene.chain.links]
@@ -124,7 +124,7 @@ def uneven(scene: Scene, draw: Draw) -> Scene:
 
 
 def long(seed: int) -> Scene:
-    """Return a long chain with a force law, which may need much work."""
+    """Return a long chain with a force law, and a high limit of the work that it may need."""
     return with_values(upright(seed, LONG_LINKS, rigid=0.0), {("solver", "work_limit"): HARD_WORK})
 
 
@@ -218,7 +218,10 @@ def stopped(scene: Scene, draw: Draw, law: dict[str, Any], most_work: float) -> 
 
 
 def _stops(draw: Draw, link: dict[str, Any], angle: float) -> None:
-    """Give a joint one stop or two, at or near the angle at which the joint starts."""
+    """Give a joint that starts at ``angle`` [rad] a lower stop, at or below it, an upper one above, or both.
+
+    A stop is at most 3 rad away.
+    """
     margin = draw.power(1e-3, 3.0) if draw.chance(0.8) else 0.0
     kind = draw.one(("joint_min", "joint_max", "both"), (0.25, 0.25, 0.5))
     if kind != "joint_max":
@@ -228,7 +231,7 @@ def _stops(draw: Draw, link: dict[str, Any], angle: float) -> None:
 
 
 def rubbed(scene: Scene, draw: Draw, most_work: float) -> Scene:
-    """Return the scene with friction at its walls, if they are not rigid, and in some joints.
+    """Return the scene with friction at its walls, if they are not rigid, and in some joints of some scenes.
 
     Args:
         scene: the scene.
@@ -310,7 +313,7 @@ def rubbed_of(seed: int) -> Scene:
 def driven(scene: Scene, draw: Draw) -> Scene:
     """Return the scene with armatures, limits of torque and servos, each in some joints of some scenes.
 
-    The rates of servos are between 1 and 1e4 1/s, in most cases with nearly critical damping.
+    The rates of servos are between 0.3 and 3e4 1/s. Most servos have damping, from weak to overcritical.
     """
     links, follow = [asdict(link) for link in scene.chain.links], draw.chance(0.6)
     geared, limited, pace = draw.chance(0.6), draw.chance(0.6), draw.power(1.0, 1e4)
@@ -337,7 +340,7 @@ def driven_of(seed: int) -> Scene:
 
 
 def signalled(scene: Scene, draw: Draw) -> Scene:
-    """Return the scene with signals of all forms for some torques, of the sizes of ``drive``, and targets."""
+    """Return the scene with signals (no tables) for some torques, of the sizes of ``drive``, and targets."""
     scene = with_values(scene, {"inputs.joint_torques": True})
     torques, _ = drive(scene, 0)
     stop, signals = scene.simulation.stop_time, {}

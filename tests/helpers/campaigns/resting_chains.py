@@ -1,7 +1,6 @@
 """Random chains that fall on a rough floor or slope and come to rest: derivatives of their final positions.
 
-``python -m tests.helpers.campaigns.resting_chains FIRST COUNT`` counts how many chains have derivatives, and
-how many derivatives are right.
+``python -m tests.helpers.campaigns.resting_chains FIRST COUNT`` counts the verdicts on the derivatives.
 """
 
 from __future__ import annotations

@@ -3,6 +3,6 @@
 - ``plain``: as plain Python, with a record of attributes
 - ``columns``: tables of such a record
 - ``stamps``: the same with a record that refuses values of another state
-- ``kernel_calls``: the calls of a compiled kernel that only FMUs make
+- ``kernel_calls``: calls of a compiled kernel as FMUs make them
 - ``own_functions``: exp, log and the other functions of real numbers
 """

@@ -1,4 +1,4 @@
-"""The calls of a kernel that FMUs make and ``Instance`` does not, and the memory of an instance.
+"""Calls of a compiled kernel as FMUs make them, without the checks of ``Instance``, and its memory.
 
 Of all tests and benchmarks, only this module uses private attributes of ``Instance`` and ``Chain``.
 """

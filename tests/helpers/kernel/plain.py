@@ -24,7 +24,7 @@ from chain_impact.variables.prepared import PreparedScene
 class Table(np.ndarray):
     """A table of a record with its columns as attributes.
 
-    It is a recarray that remembers its columns: a recarray makes a column at each access, which takes the
+    Unlike a recarray, it remembers its columns: a recarray makes a column at each access, which takes the
     plain kernel much of its time.
     """
 
@@ -81,7 +81,7 @@ class Plain:
 
 @contextmanager
 def as_plain_python() -> Iterator[None]:
-    """Choose functions of the kernel that exist for complex numbers, too, by their arguments."""
+    """Within the context, functions with a rule for complex numbers choose it if any argument is complex."""
 
     def by_type(function: Callable[..., Any], of_complex: Callable[..., Any], *arguments: Any) -> Any:
         return (of_complex if any(isinstance(argument, complex) for argument in arguments) else function)(

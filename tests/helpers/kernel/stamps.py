@@ -80,7 +80,10 @@ class Stamps:
         return float(self.d.step.time_origin + y[time_at(self.d.link_count)])
 
     def _state_of(self, reader: FrameType) -> np.ndarray | None:
-        """Return the state y of a reader or of one of its callers; None if there is none."""
+        """Return the state y of the innermost of a reader and its callers that has one; None without any.
+
+        Functions in LINEAR have none; those in AT_END have the state at the end of the last step.
+        """
         for frame in _outward(reader, CALLERS):
             if frame.f_code.co_name in LINEAR:
                 return None

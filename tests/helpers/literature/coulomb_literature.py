@@ -40,8 +40,8 @@ def kane_pendulum(stiffness: float = FIRM) -> tuple[Table, KaneLevinson]:
     """Return two rods of 1 kg and 1 m, 20° and 30° from the vertical, that turn at −0.1 and −0.2 rad/s.
 
     Kane & Levinson 1985, *Dynamics: Theory and Applications*, after an example of Kane's of 1984. Their rule,
-    Newton's hypothesis with Coulomb's law on the impulses (``algebraic``), increases the energy from .0232 J
-    to .0407 J. The parameters are chosen so that these figures follow.
+    Newton's hypothesis with Coulomb's law on the impulses (``algebraic``), increases the energy of .0232 J
+    by .0407 J. The parameters are chosen so that these figures follow.
     """
     e, friction = 0.7, 0.5
     first, second, slow, fast = math.radians(20.0), math.radians(30.0), -0.1, -0.2

@@ -14,7 +14,7 @@ The parts of each chain; the module of derivatives runs the last two chains:
     part                              textbook driven chain lagrange chain model body model
     ================================= ======== ============ ======== =========== ==========
     springs, dampers, given torques   yes      yes          yes      yes         yes
-    forces on points                  yes      –            yes      tip         tip
+    forces on points                  yes      –            yes      tip         –
     offset of a centre of mass        yes      yes          –        –           yes
     targets of joints                 –        yes          –        yes         yes
     armatures, limits of torques      –        yes          –        –           yes

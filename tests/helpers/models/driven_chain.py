@@ -49,7 +49,10 @@ class DrivenChain(Textbook):
         return self.exists * (self.given("torque", 0.0, time) + spring + damper)
 
     def driven_rate(self, time: float, y: np.ndarray, modes: np.ndarray) -> np.ndarray:
-        """Return the rate of the state in a phase."""
+        """Return the rate of the state in a phase, in which ``modes`` are constant.
+
+        The mode of a joint is 0 if its torque is below its limit, else the sign of the torque at the limit.
+        """
         n = self.n
         torque = np.where(modes == 0, self.wanted(time, y), modes * np.where(modes == 0, 0.0, self.limit))
         matrix, right = self.assemble(y[2 : n + 2], y[n + 4 : 2 * n + 4])

@@ -204,13 +204,16 @@ def generalized_force(
 
 
 def random_impedances(rng: np.random.Generator, count: int, largest: float) -> np.ndarray:
-    """Return symmetric positive impedances of points [kg], half of them zero, shape (count, 2, 2)."""
+    """Return symmetric, positive semidefinite impedances of points [kg], shape (count, 2, 2).
+
+    Each is zero with probability ½.
+    """
     parts = rng.uniform(-1.0, 1.0, (count, 2, 2)) * (rng.random((count, 1, 1)) < 0.5)
     return largest * parts @ parts.transpose(0, 2, 1)
 
 
 def set_impedances(record: Any, impedances: np.ndarray) -> None:
-    """Put impedances, shape (N+1, 2, 2), into a record with ``xx, xy, yy``; joints get none."""
+    """Put impedances, shape (N+1, 2, 2), into a record with ``xx, xy, yy``; entries of joints stay."""
     points = len(impedances)
     record["xx"][:points], record["yy"][:points] = impedances[:, 0, 0], impedances[:, 1, 1]
     record["xy"][:points] = impedances[:, 0, 1]

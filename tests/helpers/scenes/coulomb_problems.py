@@ -1,8 +1,8 @@
 """Scenes with Coulomb friction at walls, or in a joint, that have exact answers.
 
-Each builder but ``lying`` returns the table of a scene, and its exact motion. Units are SI.
+Each builder but ``lying`` returns the table of a scene, inputs, if any, and the exact motion. Units are SI.
 
-Bodies start at a clearance of 0 and settle on the contact forces; the results do not depend on the settling.
+Bodies that lie start at a clearance of 0 and settle on the contact forces; this does not change the results.
 Along and across a wall that rises by α, with s = sign(v_t),
 
     m v̇_t = −m g sin α − µ s F_n,    m ÿ = F_n − m g cos α

@@ -1,4 +1,4 @@
-"""Scenes with dry friction for tests: a sled on a slope, and a pendulum with friction in its joint."""
+"""Scenes with dry friction for tests: a sled, a puck, thrown links, and pendulums with dry joints."""
 
 from __future__ import annotations
 

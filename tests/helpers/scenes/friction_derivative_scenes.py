@@ -71,7 +71,7 @@ def swinging(static: float = 0.0, law: str = "zhang_sharf", **solver: Any) -> Ca
 
 
 def driven_links(static: float = 0.45, law: str = "zhang_sharf", **solver: Any) -> Case:
-    """Return two links below a point on a floor of a material, with a torque and a dry joint."""
+    """Return two links below a point on a floor with its own material, with a torque and a dry joint."""
     scene = table(
         [
             link(0.4, 0.8, damping=0.01),

@@ -48,7 +48,7 @@ def room(model="zhang_sharf", velocity=(0.5, 0.0), walls=("y_min", "x_max"), **c
 
 
 def resting(model, *, friction=0.0, stop=3600.0, **others):
-    """Return a rod that lies on a floor that moves."""
+    """Return a rod that lies on a floor that inputs may move."""
     return scene_of(
         LINKS[:1],
         box={"y_min": 0.0},
@@ -62,7 +62,7 @@ def resting(model, *, friction=0.0, stop=3600.0, **others):
 
 
 def unbalanced(result):
-    """Return the largest change of the energy balance [J]."""
+    """Return the range of the energy balance [J]: its largest less its least value."""
     return np.ptp(result["energy.total"] + result["energy.dissipated"] - result["energy.supplied"])
 
 
