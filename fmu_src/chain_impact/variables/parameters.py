@@ -42,11 +42,32 @@ LAWS, METHODS = "laws", "methods"
 """The names of the lists of choices (``choices_of``): contact laws, and methods of the solver."""
 DRY_HINT = "it is a parameter if the scene has this dry friction: give it a value in the scene file first"
 GIVEN_HINT = "it is a parameter if the scene file gives it: give it a value there first"
-TARGET_HINT = (
-    "with inputs.joint_targets it is the start value of the target angle: vary or fit the value of a "
-    "constant signal of the target instead"
-)
+_ONLY_IF_GIVEN = {"only_if_in_file": True, "hint": GIVEN_HINT}
 
+
+def _drive(field: str, part: str = "drive", **attributes: Any) -> dict[str, Any]:
+    """Return the attributes of a value that the record has for each drive, of a joint or of the slider.
+
+    ``part`` and ``field`` are those of the record, ``attributes`` the others.
+    """
+    return {"record_path": (part, field, OWNER_AT), **attributes}
+
+
+_DAMPING = _drive("drive_damping", "given", tunable="has_target")
+_STIFFNESS = _drive("drive_stiffness", "given", tunable="has_target")
+_FRICTION = _drive("friction", when=("may_have_friction",), hint=DRY_HINT)
+_LIMIT = _drive("limit", number_for_none=math.inf, hint=GIVEN_HINT)
+_MIN, _MAX = _drive("min", number_for_none=-math.inf), _drive("max", number_for_none=math.inf)
+_ANGLE_TARGET, _POSITION_TARGET = (
+    _drive(
+        "target",
+        "given",
+        when=("target_is_parameter",),
+        hint=f"with inputs.joint_targets it is the start value of the target {noun}: vary or fit the value "
+        "of a constant signal of the target instead",
+    )
+    for noun in ("angle", "position")
+)
 _COEFFICIENT: dict[str, Any] = {
     "tunable": TRUE_FACT,
     "when": ("has_contact_friction",),
@@ -73,29 +94,17 @@ PARAMETERS = (
             record_path=("chain", KEY, OWNER_AT),
             names=[key for key in metadata_of(Link) if key not in ("points", "shape")],
             height={"number_for_none": 0.0, "hint": GIVEN_HINT},
-            center_of_mass_offset={"only_if_in_file": True, "hint": GIVEN_HINT},
+            center_of_mass_offset=_ONLY_IF_GIVEN,
             center_of_mass={"given_path": ("chain", "given_center_of_mass", OWNER_AT)},
             inertia={"given_path": ("chain", "given_inertia", OWNER_AT)},
-            joint_damping={"record_path": ("given", "drive_damping", OWNER_AT), "tunable": "has_target"},
-            joint_stiffness={"record_path": ("given", "drive_stiffness", OWNER_AT), "tunable": "has_target"},
-            joint_rest_angle={
-                "record_path": ("given", "target", OWNER_AT),
-                "when": ("target_is_parameter",),
-                "hint": TARGET_HINT,
-            },
-            joint_friction={
-                "record_path": ("drive", "friction", OWNER_AT),
-                "when": ("may_have_friction",),
-                "hint": DRY_HINT,
-            },
-            joint_armature={"only_if_in_file": True, "hint": GIVEN_HINT},
-            joint_torque_limit={
-                "record_path": ("drive", "limit", OWNER_AT),
-                "number_for_none": math.inf,
-                "hint": GIVEN_HINT,
-            },
-            joint_min={"record_path": ("drive", "min", OWNER_AT), "number_for_none": -math.inf},
-            joint_max={"record_path": ("drive", "max", OWNER_AT), "number_for_none": math.inf},
+            joint_damping=_DAMPING,
+            joint_stiffness=_STIFFNESS,
+            joint_rest_angle=_ANGLE_TARGET,
+            joint_friction=_FRICTION,
+            joint_armature=_ONLY_IF_GIVEN,
+            joint_torque_limit=_LIMIT,
+            joint_min=_MIN,
+            joint_max=_MAX,
         ),
         heading=LINK,
     ),
@@ -119,25 +128,13 @@ PARAMETERS = (
             record_path=("drive", KEY, OWNER_AT),
             angle={"record_path": ("slider", "angle")},
             mass={"record_path": ("slider", "mass")},
-            damping={"record_path": ("given", "drive_damping", OWNER_AT), "tunable": "has_target"},
-            stiffness={"record_path": ("given", "drive_stiffness", OWNER_AT), "tunable": "has_target"},
-            rest_position={
-                "record_path": ("given", "target", OWNER_AT),
-                "when": ("target_is_parameter",),
-                "hint": TARGET_HINT.replace("angle", "position"),
-            },
-            friction={
-                "record_path": ("drive", "friction", OWNER_AT),
-                "when": ("may_have_friction",),
-                "hint": DRY_HINT,
-            },
-            min={"number_for_none": -math.inf},
-            max={"number_for_none": math.inf},
-            force_limit={
-                "record_path": ("drive", "limit", OWNER_AT),
-                "number_for_none": math.inf,
-                "hint": GIVEN_HINT,
-            },
+            damping=_DAMPING,
+            stiffness=_STIFFNESS,
+            rest_position=_POSITION_TARGET,
+            friction=_FRICTION,
+            min=_MIN,
+            max=_MAX,
+            force_limit=_LIMIT,
         ),
         parameter_kind(
             metadata_of(Initial)["slider_velocity"],
