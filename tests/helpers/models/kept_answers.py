@@ -22,6 +22,8 @@ from typing import Any
 
 import numpy as np
 
+from chain_impact.scene.contents import SceneContents
+from chain_impact.scene.reading import keys_of
 from chain_impact.scene.scene import Scene, scene_to_dict
 
 TESTS_FOLDER = Path(__file__).parents[2]
@@ -33,11 +35,8 @@ TESTS = (
     *("scenarios/test_derivative_limits.py", "kernel/ode/test_collocation.py"),
 )
 IDLE = ("solver", "simulation", "outputs")  # tables of a scene that no independent model uses
-LATER = (
-    *("joint_armature", "joint_torque_limit", "joint_targets", "base_motion", "wall_motion"),
-    *("center_of_mass_offset", "slider_force", "slider_velocity"),
-)
-"""Keys that are newer than these answers: a scene without these keys has the same hash."""
+OPTIONAL = {entry.name for _, entry in keys_of(SceneContents) if entry.default is None}
+"""Names of keys that may be missing from a scene, which then differs from a scene with the value 0."""
 Arrays = dict[str, np.ndarray]
 
 
@@ -52,7 +51,7 @@ def kept(work_out: Callable[[], Arrays], module: str, scene: Scene, *given: Any)
     """
     tables = {name: table for name, table in scene_to_dict(scene, derived=True).items() if name not in IDLE}
     text = json.dumps(
-        [without_later(tables), *given, sources(module)], sort_keys=True, default=np.ndarray.tolist
+        [without_zeros(tables), *given, sources(module)], sort_keys=True, default=np.ndarray.tolist
     )
     file = FOLDER / f"{hashlib.sha256(text.encode()).hexdigest()[:16]}.npz"
     if not file.exists():
@@ -61,11 +60,14 @@ def kept(work_out: Callable[[], Arrays], module: str, scene: Scene, *given: Any)
         return dict(data)
 
 
-def without_later(data: Any) -> Any:
-    """Return the tables of a scene without keys of LATER whose values are 0, false, None or empty."""
+def without_zeros(data: Any) -> Any:
+    """Return the tables of a scene without values that are 0, false or empty, except those of OPTIONAL keys.
+
+    So a scene has the same hash before and after a new key whose default is such a value, or no value.
+    """
     if isinstance(data, dict):
-        return {key: without_later(one) for key, one in data.items() if one or key not in LATER}
-    return [without_later(one) for one in data] if isinstance(data, list) else data
+        return {key: without_zeros(one) for key, one in data.items() if one or key in OPTIONAL}
+    return [without_zeros(one) for one in data] if isinstance(data, list) else data
 
 
 @cache
