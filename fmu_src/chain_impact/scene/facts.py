@@ -77,7 +77,7 @@ LISTS = {
         "walls and stops in the order of wall_names; name; exists: it is an existing wall; touched: a point "
         "can touch it, and it is no stop"
     ),
-    "sloped_walls": ListRule("walls at any angle; name"),
+    "sloped_walls": ListRule("walls at any angle, if a point may touch a wall; name"),
     "laws": ListRule("contact laws, a user's law last; name"),
     "signals": ListRule("driven inputs; name: of the signal; input; knots: their number"),
     "steps": ListRule(
@@ -299,7 +299,9 @@ LIST_FUNCTIONS: dict[str, Callable[[SceneFacts], list[dict[str, Any]]]] = {
     "sites": _sites,
     "candidates": _candidates,
     "walls": _walls,
-    "sloped_walls": lambda facts: [{"name": wall.name} for wall in facts.scene.walls],
+    "sloped_walls": lambda facts: [
+        {"name": wall.name} for wall in facts.scene.walls if facts.scene.may_touch
+    ],
     "laws": lambda facts: [{"name": name} for name in facts.scene.law_names],
     "signals": _signals,
     "steps": _steps,

@@ -16,7 +16,7 @@ export function structureOf(file, kit) {
   const slopedWalls = mayTouch ? file.walls.map(({ name }) => name) : [];
   const wallNames = [...BOX_WALLS, ...slopedWalls, ...(stops.length ? STOPS : []), ...sliderStops];
   const pairs = reached.map(([point, name]) => [point, wallNames.indexOf(name)]);
-  const parts = { file, driven: drivenBy(file, kit.tables), sites, mayTouch, sliderStops, stops, existingWalls, wallNames, pairs };
+  const parts = { file, driven: drivenBy(file, kit.tables), sites, sliderStops, stops, existingWalls, slopedWalls, wallNames, pairs };
   const lists = listsOf(parts, kit);
   const sceneNumbers = numbersOfScene(file, lists, kit);
   return { ...parts, lists, sceneNumbers, owners: mapValues(kit.owners, (row) => ownersIn(row, sceneNumbers, lists)) };
@@ -28,7 +28,7 @@ export function valuesOfScene(file, lists, sceneNumbers) {
 }
 
 /** Return name of a list of a scene → its members, each a table of values, as `LISTS` in `facts.py` describes them. */
-function listsOf({ file, driven, sites, sliderStops, stops, existingWalls, wallNames, pairs }, kit) {
+function listsOf({ file, driven, sites, sliderStops, stops, existingWalls, slopedWalls, wallNames, pairs }, kit) {
   const { STOP_CODES } = SHARED.kernel;
   const lists = {
     sites: sites.map(({ link, entry, corner = 0, name }) => ({ link, entry, corner, label: name })),
@@ -39,7 +39,7 @@ function listsOf({ file, driven, sites, sliderStops, stops, existingWalls, wallN
     ],
     walls: wallNames.map((name, number) =>
       ({ name, exists: existingWalls.includes(name), touched: pairs.some(([, wall]) => wall === number) })),
-    sloped_walls: file.walls.map(({ name }) => ({ name })),
+    sloped_walls: slopedWalls.map((name) => ({ name })),
     laws: kit.laws.map((name) => ({ name })),
     signals: driven.map(({ name, input, knots }) => ({ name, input, knots })),
     steps: driven.filter(({ signal }) => signal.form === "steps").flatMap(({ name, input, signal, first }) =>

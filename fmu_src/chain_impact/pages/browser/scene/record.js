@@ -30,7 +30,7 @@ function actingOf({ acts: [number, index], owner: { at } }) {
  * all inputs, driven or not.
  */
 export function recordOf(kit, structure, driven, rows, values, byName) {
-  const { file, sceneNumbers, lists, mayTouch } = structure;
+  const { file, sceneNumbers, lists } = structure;
   const bytes = new Uint8Array(wordIndex(kit.size, sceneNumbers) * SHARED.record.WORD);
   const [reals, integers] = [new Float64Array(bytes.buffer), new BigInt64Array(bytes.buffer)];
   const write = (words, value, isReal, index = 0) => {
@@ -47,7 +47,7 @@ export function recordOf(kit, structure, driven, rows, values, byName) {
   putSignals(driven, kit.tables, (input) => actingOf(byName.get(input)), put);
   for (const { name, ownerKind, word, givenWord, givenWordWhen, type, owner, numberForNone } of rows) {
     const value = values.get(name) ?? (numberForNone === null ? null : { number: Number(numberForNone) });
-    if (!value || (ownerKind === "sloped wall" && !mayTouch)) continue;
+    if (!value) continue;
     if (ownerKind === "sloped wall" && owner.at >= sceneNumbers.candidate_count) {
       throw new RangeError(`walls: the record has room for ${sceneNumbers.candidate_count}`);
     }
