@@ -293,6 +293,7 @@ def test_the_lower_one_of_two_close_curves_has_its_number_below_it():
     ]
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize(
     ("names", "told"),
     [

@@ -49,7 +49,7 @@ def test_a_broad_motion_has_the_whole_width():
     assert [axes.get_label() for axes in over_time] == ["time", "energy"]
 
 
-@pytest.mark.full("more cases", but="hopper")
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("model", ["hopper", "rod_drop"])
 def test_the_legend_of_a_slim_motion_is_beside_it(model):
     """So the motion is as high as all panels over time, and not cut by a legend of one column."""
@@ -89,7 +89,7 @@ def test_texts_fit_a_page_of_any_width(model, width):
     check_rules(page)
 
 
-@pytest.mark.full("more cases", but="arm_at_stop")
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("model", ["arm_at_stop", "rod_drop", "hopper", "stick_slip_belt"])
 def test_a_slim_motion_leaves_no_empty_half_on_a_page_of_120_mm(model):
     page = page_of_width(model, 120)
@@ -190,5 +190,6 @@ def test_numbers_below_a_motion_that_is_narrower_than_its_panel_keep_apart(model
     assert all(one.x1 + 0.3 * one.height < other.x0 for one, other in itertools.pairwise(numbers))
 
 
+@pytest.mark.full("takes long")
 def test_an_overview_in_one_column_of_a_page_leaves_room_for_a_caption():
     assert page_of_width("thrown_brick", 84).get_figheight() < 170 / 25.4

@@ -289,6 +289,7 @@ def test_a_coordinate_at_rest_and_a_shift_do_not_decide_the_headline():
     assert "at 0.3 s" in texts_of(figure)
 
 
+@pytest.mark.full("takes long")
 def test_many_impacts_have_colours_in_place_of_numbers():
     """Each impact has a cell; its colour has the sign of the change."""
     recording = simulate("rod_drop", sensitivities=["contact.restitution", "contact.stiffness"])
@@ -319,6 +320,7 @@ def test_many_impacts_have_colours_in_place_of_numbers():
         assert contrast(*(c[3] * c[:3] + (1.0 - c[3]) * ground for c in (below, above))) < 1.05
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("style", ["default", "dark_background"])
 def test_cells_differ_from_the_ground_and_blank_ones_are_explained(style):
     """A change of a tenth of the largest one is visible, and a grid shows cells of the change 0."""
@@ -442,6 +444,7 @@ def test_a_headline_without_a_confirmed_change_has_both_sizes(swing, monkeypatch
     )
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("width", [84.0, 120.0, 190.0])
 def test_names_of_rows_do_not_narrow_the_panels(swing, width):
     """The names stand between the headline's margin or the axes' left edge and the cells."""
@@ -505,6 +508,7 @@ def test_a_step_of_a_parameter_that_is_zero_does_not_set_the_scale():
     assert page.axes[-1].get_title(loc="left") == "change of peak force [%]"
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("width", [84.0, 120.0])
 def test_six_parameters_have_room_in_a_column_of_a_journal(width):
     result = simulate("pinned_arm", sensitivities=["contact.*", "link[*].mass"])

@@ -140,6 +140,7 @@ def test_a_peer_without_a_time_is_a_gap(charts):
     assert module.headline([]) == ("", "")
 
 
+@pytest.mark.full("takes long")
 def test_the_title_of_the_speeds_has_one_contender_at_one_tolerance(charts, drawn):
     module, record = charts("work_precision"), stored("work_precision")
     title, page = drawn("work_precision")
@@ -158,6 +159,7 @@ def test_the_title_of_the_speeds_has_one_contender_at_one_tolerance(charts, draw
     assert all(f"{name} {min(factors[name]):.2g}" in told for name in others if "FMU" not in name)
 
 
+@pytest.mark.full("takes long")
 def test_the_title_of_a_chain_at_rest_does_not_mix_methods(charts, drawn):
     module, record = charts("rest"), stored("rest")
     title, _ = drawn("rest")
@@ -193,6 +195,7 @@ def test_a_curve_without_a_free_place_has_a_key_below_the_panels(charts):
     assert legend.get_window_extent().y1 < axes.get_tightbbox().y0
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("name", ["work_precision", "friction", "rest"])
 def test_each_curve_has_its_name_once_beside_it(charts, drawn, name):
     _, page = drawn(name)

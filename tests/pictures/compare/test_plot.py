@@ -194,6 +194,7 @@ def test_a_restitution_above_1_without_losses_is_explained():
     assert "with other forces during the impact: e′ = 1.01 without losses" in told
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("width", [84, 120, 190])
 def test_a_law_of_impulses_has_a_line_and_a_name_at_each_width(comparison, width):
     page = comparison.plot(size=(width / 25.4, None))

@@ -31,6 +31,7 @@ def page():
         return recorded("sliding_rod").plot()
 
 
+@pytest.mark.full("takes long")
 def test_a_page_is_dark_throughout(page):
     """The walls' outside is dark, too; only lines, letters and the bar of time are light."""
     seen = pixels(page)

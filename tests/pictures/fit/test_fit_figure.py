@@ -112,6 +112,7 @@ def test_the_headline_of_one_parameter_has_its_value(found):
     assert float(text) == pytest.approx(value, abs=1e-3)
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("width", [84.0, 190.0])
 def test_each_estimate_has_a_row_with_its_start_and_its_interval(found, narrow, width):
     page = narrow if width < 150.0 else found.plot(size=(width / 25.4, None))
@@ -223,6 +224,7 @@ def test_each_axis_of_time_has_a_name_or_one_below_it(usual, narrow):
             assert axes.get_xlabel() or len(same) > 1
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("style", ["default", "dark_background"])
 def test_the_first_panel_of_a_narrow_page_explains_the_curve_and_the_dots(found, style):
     with matplotlib.style.context(style):

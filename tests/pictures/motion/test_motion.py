@@ -64,7 +64,7 @@ def cases(*models):
     return [*itertools.product(models, (84, 120, 190))]
 
 
-@pytest.mark.full("more cases", but=["thrown_brick-190", "hopper-120"])
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize(("model", "width"), cases("thrown_brick", "hopper", "four_link_box", "whip"))
 def test_points_that_touch_have_names_nearest_to_their_place_at_the_start(model, width):
     recording = recorded(model)
@@ -209,6 +209,7 @@ def test_impacts_are_ringed_where_the_point_was_and_numbered():
     assert texts(motion) == ["#1", "#2", "#3"]
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("model", ["four_link_box", "arm_at_stop", "bouncing_ball"])
 def test_the_impact_with_the_largest_force_is_marked_in_both_panels(model):
     recording = recorded(model)
@@ -295,7 +296,7 @@ def distance(segment, place):
     return np.hypot(*(start + part * way - place))
 
 
-@pytest.mark.full("more cases", but=["four_link_box-84"])
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize(("model", "width"), cases("four_link_box", "hopper", "pinned_arm", "crowd"))
 def test_no_leader_passes_another_ring_or_crosses_a_chain_at_start_or_end(model, width):
     if model == "crowd":

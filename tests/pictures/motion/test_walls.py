@@ -144,7 +144,7 @@ def test_a_flat_motion_has_the_height_of_its_axes():
     assert all(float(text) == pytest.approx(1e3 * at) for at, text in told if low <= at <= high)
 
 
-@pytest.mark.full("more cases", but="clattering_rod")
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("model", ["clattering_rod", "double_pendulum_wall"])
 def test_no_large_part_of_the_axes_is_empty(model):
     recording = recorded(model)
@@ -157,7 +157,7 @@ def test_no_large_part_of_the_axes_is_empty(model):
             assert empty < 0.3 * np.ptp(limits)
 
 
-@pytest.mark.full("more cases", but="pinned_arm")
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("model", ["pinned_arm", "whip", "rod_drop"])
 def test_the_view_of_a_narrow_picture_is_not_much_wider_than_the_motion(model):
     page = page_of_width(model, 120)

@@ -81,6 +81,7 @@ def test_a_supplied_energy_that_is_the_dissipated_one_has_no_curve():
     assert "supplied" not in labels
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("width", [84, 190])
 def test_marks_at_impacts_have_an_entry_in_the_legend(width):
     """Without room for the entry, the panel of impacts below tells the times."""

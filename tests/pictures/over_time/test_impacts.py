@@ -202,6 +202,7 @@ def test_without_impacts_the_panel_says_so():
     assert texts(page.axes[-1]) == ["no impact"]
 
 
+@pytest.mark.full("takes long")
 def test_a_contact_that_lasts_has_a_band_to_its_end():
     recording = recorded("sliding_rod")
     (of_friction,) = (panel for panel in page_of(recording)[0].axes if panel.get_label() == "impacts")
@@ -234,6 +235,7 @@ def test_few_impacts_keep_their_numbers_if_one_has_no_room():
     assert {"#1", "#2"} <= {*numbers}
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("width", [84, 190])
 def test_the_impacts_with_numbers_are_the_largest_ones(width):
     axes = panel_of(page_of_width("bouncing_ball", width), "impacts")

@@ -24,6 +24,7 @@ def test_a_single_impact_has_its_force_over_its_time():
     assert panels["energy"].get_xlim() == panels["time"].get_xlim() != panels["impact"].get_xlim()
 
 
+@pytest.mark.full("takes long")
 def test_the_peak_of_a_low_panel_is_told_above_the_area_below_the_curve():
     page = page_of_width("stick_slip_belt", 84)
     axes = panel_of(page, "impact")

@@ -92,6 +92,7 @@ def test_the_course_of_a_result_is_told(results, told):
     assert course_text(np.array([0.1, 0.2, 0.3, 0.4]), np.array(results), "e") == told
 
 
+@pytest.mark.full("takes long")
 def test_axes_are_logarithmic_where_values_are_or_spread_far():
     assert sweep_page(sweep(SCENE, {"solver.tolerance": "1e-9,1e-6,1e-4"})).axes[0].get_xscale() == "log"
     assert sweep_page(sweep(SCENE, {"solver.tolerance": "1e-6,2e-5,1e-4"})).axes[0].get_xscale() == "log"
@@ -164,6 +165,7 @@ def test_laws_with_equal_results_share_a_line_and_merging_lines_are_dashed():
     assert (whole, dashed) == ("-", "--")
 
 
+@pytest.mark.full("takes long")
 def test_repeated_values_are_drawn_once_and_close_ones_named_apart():
     vary = {"contact.stiffness": "1e8,1.0000001e8,1e8", "contact.restitution": "0.3:0.7:5"}
     page = sweep_page(sweep(SCENE, vary))

@@ -35,7 +35,7 @@ def test_maps_are_the_columns_with_ordered_axes():
     assert mesh.get_cmap()(np.ma.masked) == pytest.approx((float(FAILED_COLOUR),) * 3 + (1.0,), abs=0.01)
 
 
-@pytest.mark.full("more cases", but=1)
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize(("width", "across"), [(3.3, 1), (4.7, 3), (10.8, 3)])
 def test_three_maps_leave_no_gap(width, across):
     vary = {"contact.restitution": "0.5:0.8:4", "contact.stiffness": "1e6:1e8:4:log"}
@@ -58,6 +58,7 @@ def test_colours_suit_wide_ranges_and_counts():
     assert len({tuple(impacts.to_rgba(count)) for count in counts}) == len(counts) > 1
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("points", [4, 10], ids=["values in cells", "values at lines"])
 def test_a_map_has_the_same_numbers_and_inks_on_a_dark_ground(points):
     found = sweep(
@@ -76,6 +77,7 @@ def test_a_map_has_the_same_numbers_and_inks_on_a_dark_ground(points):
     assert "20" in numbers[0][0]
 
 
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("width", [84, 120])
 def test_a_bar_has_numbers_at_its_ends_and_values_of_contours_have_room(width):
     vary = {"contact.restitution": "0.2:0.8:7", "contact.stiffness": "1e6:1e9:7:log"}
@@ -188,6 +190,7 @@ def test_a_picture_has_at_most_nine_maps(tmp_path, monkeypatch):
         sweep(SCENE, vary).plot(tmp_path / "out.png")
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("count", [2, 4])
 def test_the_value_of_the_scene_is_marked(count):
     found = sweep(SCENE, {"contact.stiffness": f"1e7:1e9:{count}:log", "contact.restitution": "0.4:0.8:4"})
@@ -230,6 +233,7 @@ def test_a_coarse_map_has_the_values_of_its_cells_and_ends_at_limits():
     assert {text.xyann[1] for text in axes.texts} == {0.0}  # no number is under the scene's mark
 
 
+@pytest.mark.full("takes long")
 def test_the_name_of_the_mark_covers_no_contour_of_a_narrow_map():
     found = sweep(SCENE, {"contact.stiffness": "1e7:1e9:10:log", "contact.restitution": "0.4:0.8:10"})
     page = found.plot(size=(84 / 25.4, None))

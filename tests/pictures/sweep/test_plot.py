@@ -159,6 +159,7 @@ def test_the_headline_tells_parameters_that_act_together():
     assert told({"contact.stiffness": (0.1, "")}) == ""
 
 
+@pytest.mark.full("takes long")
 def test_a_narrow_headline_is_balanced_and_written_once(monkeypatch):
     """The picture is drawn for several heights with the same texts."""
     written = []

@@ -96,6 +96,7 @@ def test_the_largest_force_and_its_impact_are_told(title):
     assert (most.value in place) == bool(title)  # the value is told once
 
 
+@pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize(("panel", "colour"), [("impacts", PEAK_COLOUR), ("energy", INK)])
 def test_a_narrow_picture_has_the_peak_as_its_headline(panel, colour):
     """The line on the impact has the colour of its mark, if the picture has the mark."""
@@ -185,6 +186,7 @@ def test_energy_of_drives_is_told_beside_that_lost(supplied, told):
     assert headline(recording) == f"Swing: no impacts in 2 s, 1 J dissipated{drives}"
 
 
+@pytest.mark.full("takes long")
 def test_in_a_narrow_picture_the_load_stands_below_the_peak_force():
     result = simulate(with_values(load_scene("pinned_arm"), {("outputs", "loads"): True}))
     page = result.plot(size=(84 / 25.4, None))
