@@ -120,3 +120,12 @@ def test_a_chart_of_inputs_tells_why_it_has_no_curve_of_a_pin(show):
     page.get_by_role("button", name="Pin").click()
     page.locator(".unpin").first.click()
     page.locator("#inputs-note").wait_for(state="hidden")
+
+
+def test_the_loss_of_a_contact_is_the_area_of_its_loop(script):
+    loop = {"penetration": [0, 0.001, 0.002, 0.001, 0], "force": [0, 1000, 2000, 500, 0]}
+    assert script.evaluate("lossText", loop) == "loss\u00a00.50\u202fJ"
+    small = {**loop, "force": [0, 0.01, 0.02, 0.005, 0]}
+    assert script.evaluate("lossText", small) == "loss\u00a05.0\u202fµJ"
+    lossless = {**loop, "force": [0, 1000, 2000, 1000, 0]}
+    assert script.evaluate("lossText", lossless) == "loss below 0.2\u202f%"

@@ -85,8 +85,13 @@ function withSmallPrefix(value, unit) {
 /** Return the impulse of an impact as text with its unit, N·s or, at a stop of a joint, N·m·s; "" if it is unknown. */
 export function impulseText(impact, count = 3) {
   if (!Number.isFinite(impact.impulse ?? NaN)) return "";
-  const [value, unit] = withSmallPrefix(impact.impulse, unitsOf(impact).impulse);
-  return forceText(value, count, unit);
+  return amountText(impact.impulse, unitsOf(impact).impulse, count);
+}
+
+/** Return a value ≥ 0 as text with its unit, which has a prefix if the value is small or large, such as 12 mJ. */
+export function amountText(value, unit, count = 3) {
+  const [scaled, suited] = withSmallPrefix(value, unit);
+  return forceText(scaled, count, suited);
 }
 
 /** Return the labels for an axis of forces, all with the prefix of the unit that suits the largest tick. */

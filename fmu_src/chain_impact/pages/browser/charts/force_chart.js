@@ -10,7 +10,7 @@ import {
   timeTicks,
 } from "./chart.js";
 import {
-  courseAround, extentOf, highest, impulsesLike, MOST_BESIDE, MOST_OF_ROOTS, rootTicks, SHOWN_SHARE, shownPartOf,
+  courseAround, extentOf, highest, impulsesLike, lossText, MOST_BESIDE, MOST_OF_ROOTS, rootTicks, SHOWN_SHARE, shownPartOf,
 } from "./contact_course.js";
 import { LETTER_DOT } from "./letters.js";
 
@@ -275,6 +275,8 @@ export class ForceChart extends Chart {
     const isKnown = hasCurve || this.impulses || this.curves.length > 0;
     this.element.hidden = !isKnown;
     this.loopButton.hidden ||= !isKnown;
+    // the loop of a contact that lasts until the end of the run is open
+    this.loss = this.loop && Number.isFinite(contact.separation_speed ?? NaN) ? lossText(own) : "";
     this.#tell(lines, hasCurve, high, rubs);
   }
 
@@ -324,7 +326,8 @@ export class ForceChart extends Chart {
     const { onset, end } = contact;
     const isRigid = hasImpulseOnly(contact);
     const isHeld = isRigid && hasCurve;
-    const [force, moment] = isHeld ? ["Holding force", "Holding moment"] : ["Contact force", "Moment of the stop"];
+    const kinds = this.loop ? ["Force", "Moment"] : ["Contact force", "Moment of the stop"];
+    const [force, moment] = isHeld ? ["Holding force", "Holding moment"] : kinds;
     const letters = hasCurve || this.impulses ? "" : this.curves.map(({ letter }) => letter).join(", ");
     const quantity = (unitsOf(contact).peak_force === "N" ? force : moment) + (isHeld ? " after the impulse" : letters && ` of ${letters}`);
     const impulses = contact.atStop ? "Angular impulses" : "Impulses";
@@ -333,7 +336,7 @@ export class ForceChart extends Chart {
     const without = this.impulses ? "rigid" : letters ? `present: ${isRigid ? ONLY_IMPULSE : NO_COURSE}` : "no force over time is known";
     const isPart = !this.loop && !isHeld && to - from < end - onset;
     const shownPart = isPart ? `, ${isAroundNow ? "around now" : "its beginning"}` : "";
-    const own = hasCurve ? durationText(end - onset, 2) + shownPart : without;
+    const own = hasCurve ? this.loss || durationText(end - onset, 2) + shownPart : without;
     const whyOf = ({ points, why = "" }) => (this.impulses ? "" : (points && noteAbove(points[1], high, this.unit.peak_force)) || why);
     const lettersWith = (why) => lines.filter((line) => whyOf(line) === why).map(({ letter }) => letter).join(", ");
     const notes = [...new Set(lines.map(whyOf))].filter(Boolean).map((why) => `; ${lettersWith(why)}: ${why}`).join("");

@@ -237,7 +237,7 @@ export class EnergyChart extends TimeChart {
 
   /** Tell the offset of the chart, and which curves of pins it has. */
   #tellShown() {
-    const ofPins = [this.compared.length > 0 && "dashes: total energy of pins", this.#hasParting && "▾ motions differ from here"];
+    const ofPins = [this.compared.length > 0 && "dashes: total of pins", this.#hasParting && "▾ motions differ from here"];
     const texts = [offsetText(this.offset), ...ofPins];
     byId("energy-offset").textContent = texts.filter(Boolean).join("; ");
   }

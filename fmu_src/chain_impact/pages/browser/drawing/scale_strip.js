@@ -1,10 +1,14 @@
 // The strip at the top of the drawing: scale bar, ruler of forces, and legend of arrows. The view of the motion lies below it.
 
+import { hasImpulseOnly } from "../recording/recording.js";
+
 const KEY = 64; // [pixels] width of each entry of the legend of arrows
 const [STRIP_LETTER, BESIDE_BAR] = [7, 8]; // [pixels] width of a letter in the strip, and distance of the text to the scale bar
 const MARK_TO_HEAD = 8; // [pixels] least distance between the last mark of the ruler and its arrowhead
 const RULER_LETTER = 6; // [pixels] width of a letter of the ruler's name
-const RULER_NAMES = ["force (cube root)", "force", ""]; // names of the ruler; the first name that leaves room for the scale bar is shown
+// names of the ruler, and with impulses, whose arrows have a scale of their own; the first name that leaves room for the scale bar is shown
+const RULER_NAMES = ["force (cube root)", "force", ""];
+const FORCES_ONLY = ["force, not impulse (cube root)", "force, not impulse", ""];
 const LONGEST_BAR = 1 / 6; // largest length of the scale bar, relative to the width of the strip to the left of any legend
 const BAR_TEXT = 6; // largest number of letters in the text beside the scale bar
 export const STRIP = 30; // [pixels] height of the strip
@@ -21,7 +25,7 @@ export function drawStrip(group, { recording, arrowScale, camera, size: [width],
   group.clear();
   if (lens) group.rect(width, STRIP).addClass("strip-ground");
   const free = recording.drawn.loads.length ? drawKey(group, width) : width;
-  const rulerEnd = recording.peakForce > 0 ? drawRuler(group, arrowScale, free) : 0;
+  const rulerEnd = recording.peakForce > 0 ? drawRuler(group, arrowScale, free, recording.impacts.some(hasImpulseOnly)) : 0;
   drawScaleBar(group, camera.scale, free, rulerEnd);
 }
 
@@ -46,9 +50,10 @@ function drawScaleBar(group, scale, width, rulerEnd) {
 
 /**
  * Draw the ruler of an `ArrowScale` with its marks, up to the largest force, but at least MARK_TO_HEAD beyond the last mark; write the
- * ruler's longest name that fits into the `width`. Return the horizontal position of the end of the name [pixels].
+ * ruler's longest name that fits into the `width`; `hasImpulses`: whether the motion has impulses. Return the horizontal position of the
+ * end of the name [pixels].
  */
-function drawRuler(group, { longest, marks }, width) {
+function drawRuler(group, { longest, marks }, width, hasImpulses) {
   const [left, y] = [12, STRIP - 7];
   const right = left + Math.max(longest, ...marks.map(({ at }) => at + MARK_TO_HEAD));
   group.line([[left, y], [right, y]]).addClass("bar ruler");
@@ -59,7 +64,7 @@ function drawRuler(group, { longest, marks }, width) {
   group.polygon([[right + 7, y], [right, y - 4], [right, y + 4]]).addClass("ruler-head");
   const end = right + 12;
   const free = (1 - LONGEST_BAR) * width - STRIP_LETTER * BAR_TEXT - 2 * BESIDE_BAR - end;
-  const name = RULER_NAMES.find((text) => RULER_LETTER * text.length <= free) ?? "";
+  const name = (hasImpulses ? FORCES_ONLY : RULER_NAMES).find((text) => RULER_LETTER * text.length <= free) ?? "";
   group.plain(name).attr({ x: end, y: y + 4 }).addClass("ruler-name");
   return end + RULER_LETTER * name.length;
 }
