@@ -241,6 +241,10 @@ def test_the_list_has_speed_ratios_and_the_chart_has_the_force_loop(show):
     assert page.locator(".loop-now").is_visible()
     assert page.locator("#force .now").is_hidden()
     assert "penetration" in page.inner_text("#contact-quantity")
+    loss = first["effective_mass"] / 2 * (first["impact_speed"] ** 2 - first["separation_speed"] ** 2)
+    assert page.inner_text("#contact-name").endswith(f", loss\xa0{loss:.0f}\u202fJ"), (
+        "of a nearly free impact"
+    )
     line = page.evaluate(function_of("explore_page", "lineOfForces"))
     assert line[-1] - line[0] > 8, "with a loss, the force on the way back is smaller"
     page.get_by_role("button", name="F(δ)").click()
@@ -345,13 +349,14 @@ def test_the_slider_of_the_restitution_ends_where_the_law_does(show):
 
 
 def test_a_rigid_wall_has_a_chart_of_impulses_and_an_arrow(show):
-    page = show("bouncing_ball", {"simulation.stop_time": 3.0})
+    page = show("bouncing_ball", {"simulation.stop_time": 9.5})
     first = simulate(load_scene("bouncing_ball")).impacts[0]
     words = f"{first['impulse']:.2f}\u202fN·s"
     title = page.locator("#contact-name")
     assert title.inner_text().endswith(f", {words}, rigid")
     whole = "(one) => one.scrollWidth <= one.clientWidth && one.scrollHeight <= one.clientHeight"
     assert title.evaluate(whole)
+    assert page.text_content(".ruler-name") == "force, not impulse (cube root)"
     assert page.inner_text("#contact-quantity") == "Impulses"
     assert page.inner_text("#force .peak") == words
     assert page.locator("#force-loop").is_hidden()
@@ -376,17 +381,32 @@ def test_a_row_of_an_impact_tells_where_it_is(show):
 
 
 def test_the_first_steps_are_marked_until_they_are_taken(show):
-    page = show()
+    page = show(hash_="#contact.model=newton_impact")
     page.evaluate("localStorage.clear()")
     page.reload()
-    line = page.locator("#first-steps")
-    steps = ["Move a slider", "Pin", "Map…"]
-    assert [text.split(" ", 1)[1] for text in line.locator("span").all_inner_texts()] == steps
-    page.get_by_role("slider", name="Restitution").press("ArrowLeft")
-    assert line.locator(".taken").all_inner_texts() == ["① Move a slider"]
-    page.get_by_role("button", name="Pin").click()
-    page.get_by_role("button", name="Map…").click()
+    line = page.locator("#first-steps span")
+    pin, open_map = (page.get_by_role("button", name=name) for name in ("Pin", "Map…"))
+    slider = page.locator(".main-parameter", has=page.get_by_role("slider", name="Restitution"))
+    idle = page.locator(".main-parameter", has=page.get_by_role("slider", name="Stiffness"))
+    controls = [slider, pin, open_map, idle]
+
+    def marked():
+        colours = [one.evaluate("(one) => getComputedStyle(one).backgroundColor") for one in controls]
+        return [colour.startswith("color(") for colour in colours]
+
+    until(page, "document.querySelector('.idle')")
+    assert line.inner_text() == "First step: move a slider, the motion follows"
+    assert marked() == [True, False, False, False], "a slider without effect is not the first step"
+    slider.get_by_role("slider").press("ArrowLeft")
+    assert line.inner_text() == "Next step: Pin keeps this motion to compare"
+    assert marked() == [False, True, False, False]
+    pin.click()
+    assert line.inner_text() == "Next step: Map… shows many runs"
+    page.mouse.move(0, 0)
+    assert marked() == [False, False, True, False]
+    open_map.click()
     assert line.is_hidden()
+    assert page.evaluate("document.body.dataset.step === undefined")
     page.reload()
     until(page, "document.getElementById('time').textContent")
     assert line.is_hidden(), "the browser keeps that they are taken"

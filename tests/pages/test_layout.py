@@ -297,6 +297,12 @@ def test_the_map_is_whole_in_a_low_window(show):
     assert chart["height"] > 150.0
     assert chart["y"] + chart["height"] < ON_ITS_SIDE["height"]
     assert chart["x"] > button["x"] + button["width"]
+    whole = "({ scrollHeight, clientHeight }) => scrollHeight <= clientHeight"
+    assert page.locator("#map-text").evaluate(whole), "the text below the fields, too"
+    page.keyboard.press("Escape")
+    page.keyboard.press("?")
+    dialog, foot = (page.locator(name).bounding_box() for name in ("#help", "#help form"))
+    assert foot["y"] + foot["height"] == pytest.approx(dialog["y"] + dialog["height"], abs=1.0)
 
 
 def test_the_editor_shows_all_links_and_its_refusals_in_a_low_window(show):

@@ -83,6 +83,8 @@ def test_a_map_grows_with_the_window(show):
         page.set_viewport_size(size)
         open_map(page)
         panels.append(canvas.bounding_box()["height"])
+        boxes = [page.locator(part).bounding_box() for part in ("#map", "#stage", "aside")]
+        assert len({box["y"] + box["height"] for box in boxes}) == 1, "all columns end at one height"
         page.locator("#map-enlarge").click()
         box = canvas.bounding_box()
         sizes.append((box["width"], box["height"]))

@@ -101,6 +101,10 @@ def test_a_phone_on_its_side_shows_force_and_motion_beside_a_slider(show, pins):
     chart = page.locator("#force").bounding_box()
     assert chart["y"] + chart["height"] <= contact["y"] + contact["height"]
     assert energy["width"] > 700.0, "the other charts have the whole width below"
+    card = page.locator("#pins")
+    assert card.evaluate("({ scrollHeight, clientHeight }) => scrollHeight === clientHeight"), (
+        "all rows are seen"
+    )
     page.evaluate("chainImpact.show({'simulation.stop_time': 0.2})")
     until(page, "document.querySelector('#impacts.none')")
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
@@ -122,7 +126,18 @@ def test_a_phone_has_motion_pins_and_force_above_the_parameters(show, scheme):
     sizes = "({ scrollWidth, clientWidth, scrollHeight, clientHeight }) =>"
     card = page.locator("#pins")
     assert card.evaluate(f"{sizes} [scrollWidth - clientWidth, scrollHeight - clientHeight]") == [0, 0]
-    assert card.locator("thead th:visible").count() == 7, "no column is missing"
+    heads = card.locator("thead th").all_text_contents()[1:]
+    above = "(cells) => cells.map((one) => getComputedStyle(one, '::before').content.slice(1, -1))"
+    told = [row.locator("td:not(.reference)").evaluate_all(above) for row in card.locator("tbody tr").all()]
+    assert told == [heads, heads[:3]], "each number has its head above"
     cells = card.locator("tbody tr").first.locator(":is(th, td):visible").all()
     assert len(cells) == 7
     assert len({cell.bounding_box()["y"] for cell in cells}) == 3, "a name, and two lines of numbers"
+    page.get_by_role("button", name="Impact by impact…").click()
+    heads = page.locator("#pairs thead th")
+    assert (
+        heads.evaluate_all("(all) => all.map(({ scrollWidth, clientWidth }) => scrollWidth - clientWidth)")
+        == [0] * 4
+    )
+    place = page.locator("#pairs tbody th").first.bounding_box()
+    assert place["height"] < 60.0, "a place has two lines"

@@ -43,6 +43,7 @@ export function summaryTable(motions, { reference, button, isPresent }) {
     const cells = told.map((text, n) => make("td", {}, text, make("small", { textContent: changeOf(changes[n]), title: titleText })));
     if (k === reference) cells.push(make("td", { colSpan: 3, className: "reference", textContent: "reference" }));
     else cells.push(...differencesOf(motions[reference], motions[k], isKnown));
+    cells.forEach((cell, n) => cell.className || cell.setAttribute("data-head", HEADS[n][0])); // on a phone, it stands above its number
     return make("tr", {}, title, ...cells);
   });
   return [make("thead", {}, head), make("tbody", {}, ...body)];
