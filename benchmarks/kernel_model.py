@@ -232,8 +232,8 @@ def steps(d, dt, count, euler, values, found, limits):  # noqa: PLR0917, compile
         euler: whether to take Euler's steps.
         values: state, changed in place.
         found: room for ``happen``.
-        limits: energy [J] and depth [m] at which the run stops; the highest energy and the largest depth of
-            the run replace them.
+        limits: energy [J] and depth [m] at which the run stops. After the run, they are the highest energy
+            and the largest depth in it or, if it has stopped, the last energy and the largest depth.
 
     Returns:
         The number of steps taken.

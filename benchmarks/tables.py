@@ -1,8 +1,8 @@
 """Fill pages with tables and figures: ``python -m benchmarks tables [--charts]``.
 
 The numbers come from benchmarks/results. The script replaces the text between ``<!-- name -->`` and ``<!--
-end -->`` in a page by the result of the function ``name``, without line breaks inside a line. The option
-``--charts`` also draws all charts again.
+end -->`` in a page by the result of the function ``name``; a text within a line stays in this line. The
+option ``--charts`` also draws all charts again.
 """
 
 from __future__ import annotations

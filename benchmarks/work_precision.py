@@ -76,7 +76,10 @@ def start_up(name: str, cache: str = "") -> float | None:
 
 
 def at_equal_error(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return for each public run how many times as long the others take to the same error of the tip."""
+    """Return how many times as long the others take as each public run to the same error of the tip.
+
+    Public runs with other impacts are left out, and so are others without a time for this error.
+    """
     found = []
     for mine in rows:
         if mine["name"] != PUBLIC or "seconds" not in mine or not mine["right"]:

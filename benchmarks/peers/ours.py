@@ -35,7 +35,7 @@ class OnInstance:
         self.kernel, self.address = kernel_of(self.instance), self.block.ctypes.data
 
     def observed(self) -> tuple[np.ndarray, Onsets]:
-        """Return the state, and candidate and time of each onset, in order of time."""
+        """Return the state, and candidate and time of each onset that the log has, in order of time."""
         self.kernel.observe_now(self.address)
         record = self.instance.record
         out, candidate = record["output"], record["candidate"]

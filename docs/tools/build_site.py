@@ -66,7 +66,10 @@ def add_links(folder: Path, address: str) -> None:
 
 
 def finish() -> None:
-    """Make the pages that Zensical has written independent of the network and of the repository."""
+    """Make the pages that Zensical has written independent of the network and of the repository.
+
+    The process ends if a page would still load a script or a style from the network.
+    """
     shutil.rmtree(SITE / "tools")  # Zensical copies every file of docs/
     (SITE / WORDS.name).unlink()
     for page in SITE.rglob("*.html"):

@@ -49,7 +49,7 @@ def _table(table: Any) -> dict[str, Any]:
 
 
 def _is_needed(entry: Any) -> bool:
-    """Return whether a key, or a key inside a table, has no default."""
+    """Return whether a key has no default; for a table, whether a key in it has none, or two alternatives."""
     if dataclasses.is_dataclass(entry.type):
         return entry.type in ALTERNATIVES or any(
             _is_needed(inner) for inner in key_fields(cast("Any", entry.type))

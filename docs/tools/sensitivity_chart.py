@@ -77,7 +77,7 @@ def moved(result: Result) -> dict[str, np.ndarray]:
 
 
 def is_predicted(result: Result) -> dict[str, np.ndarray]:
-    """Return kind → whether its displacement is small enough for a prediction, shape (T,)."""
+    """Return kind → whether its displacement is small enough for a prediction up to a time, shape (T,)."""
     span = max(float(np.ptp(result[f"point[{TIP}].{axis}"])) for axis in "xy")
     return {
         kind: np.maximum.accumulate(np.nan_to_num(size)) <= MOST_PREDICTED * span

@@ -36,7 +36,7 @@ WORDS = {
 
 
 def refusals():
-    """Return exit code, verb, arguments and message from the lines of refused.txt."""
+    """Yield exit code, verb, arguments and message for each verb of each line of refused.txt."""
     for line in Path(__file__).with_name("refused.txt").read_text(encoding="utf-8").splitlines():
         if not line.startswith("#"):
             code, verbs, arguments, said = (part.strip() for part in line.split("|"))
@@ -66,7 +66,7 @@ def line_error(requirement):
 
 @pytest.fixture
 def refused(run, here):
-    """Run a command that must fail."""
+    """Return a function that runs a command that must fail."""
 
     def refused(*case):
         assert wrong(run, here, *case) == []

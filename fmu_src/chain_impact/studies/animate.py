@@ -80,10 +80,11 @@ def record_slowly(
     inputs: GivenInputs | None = None,
     interpolation: Interpolation = "follow",
 ) -> Result:
-    """Return the result of a scene, with dense rows near each impact, as slow motion needs them.
+    """Return the result of a scene, with dense rows near impacts, as slow motion needs them.
 
-    The scene is simulated twice, the first time to find the impacts. The rows do not change the solution:
-    inputs act as in ``simulate``, with the communication step of the scene.
+    The scene is simulated twice, the first time to find the impacts. The impacts in slow motion have dense
+    rows and, up to about MOST_FILM_ROWS rows, so have the first of all other impacts. The rows do not change
+    the solution: inputs act as in ``simulate``, with the communication step of the scene.
 
     Args:
         scene: a scene, or an argument of ``load_scene``.

@@ -140,8 +140,8 @@ def test_a_line_to_a_label_goes_around_a_strong_line_if_it_can():
     assert box.x1 < wall
 
 
-def rays(count, colour, width):
-    """Return a page with lines that cover all of it except one point, and its axes."""
+def ruled_page(count, colour, width):
+    """Return a page with lines across all of it, and its axes."""
     page = Figure((4.0, 4.0), dpi=100)
     axes = page.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, 4.0), ylim=(0.0, 4.0))
     axes.axis("off")
@@ -151,18 +151,18 @@ def rays(count, colour, width):
 
 
 def test_a_number_without_free_room_is_outlined_on_pale_lines():
-    page, axes = rays(200, "0.85", 0.6)
+    page, axes = ruled_page(200, "0.85", 0.6)
     label = Label("1, 3", (2.0, 2.0))
     assert place_labels(axes, [label], UsedPixels(page)) == [label]
     assert place_labels(axes, [label], UsedPixels(page), lines=True) == []
     (text,) = axes.texts
     assert text.get_path_effects()
-    page, axes = rays(200, "0.3", 0.6)
+    page, axes = ruled_page(200, "0.3", 0.6)
     assert place_labels(axes, [label], UsedPixels(page), lines=True) == [label]
 
 
 def test_a_label_on_pale_lines_is_better_than_a_line_across_a_link():
-    page, axes = rays(200, "0.85", 0.6)
+    page, axes = ruled_page(200, "0.85", 0.6)
     axes.fill([2.3, 4.0, 4.0, 2.3], [0.0, 0.0, 4.0, 4.0], color="white", zorder=3)
     link = 2.25
     axes.plot([link, link], [0.0, 4.0], color="black", linewidth=3.0, zorder=4)

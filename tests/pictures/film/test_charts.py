@@ -15,7 +15,7 @@ SIZE = (960, 540)
 
 
 def film_of(scene):
-    """Return the film of a scene, with its last frame."""
+    """Return the figure and the film of a scene, with the last frame shown."""
     recording, dpi = record_slowly(scene), resolution(SIZE)
     with matplotlib.rc_context(FILM_STYLE):
         figure = Figure(figsize=(SIZE[0] / dpi, SIZE[1] / dpi), dpi=dpi)

@@ -44,7 +44,7 @@ def pictures(recording, *times):
 
 
 def swing(y):
-    """Return a rod of 1 m that turns about the origin, without walls."""
+    """Return a rod that turns about the origin, upwards for y = 1 and downwards for y = -1, without walls."""
     time = np.linspace(0.0, 0.2, 5)
     columns = {"point[0].x": 0 * time, "point[0].y": 0 * time}
     columns |= {"point[1].x": np.cos(time), "point[1].y": y * np.sin(time)}

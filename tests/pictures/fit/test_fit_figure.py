@@ -224,6 +224,17 @@ def test_each_axis_of_time_has_a_name_or_one_below_it(usual, narrow):
             assert axes.get_xlabel() or len(same) > 1
 
 
+def test_panels_with_other_ends_have_numbers_of_their_own():
+    columns, _ = motion(0.7)
+    late = np.where(np.arange(len(columns["time"])) < 100, columns[TIP[1]], np.nan)
+    page = fit(scene(), columns | {TIP[1]: late}, FREE, sigma=dict.fromkeys(TIP, NOISE)).plot(
+        size=(84 / 25.4, None)
+    )
+    upper, lower = page.axes[1:-1:2]
+    assert upper.get_xlim()[1] > 1.5 * lower.get_xlim()[1]
+    assert upper.get_xlabel() == lower.get_xlabel() != ""
+
+
 @pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("style", ["default", "dark_background"])
 def test_the_first_panel_of_a_narrow_page_explains_the_curve_and_the_dots(found, style):

@@ -60,7 +60,7 @@ def ring_places(axes):
 
 
 def cases(*models):
-    """Return the pages of models in one column, in two, and between them."""
+    """Return each model with the widths of a page of one column, of two, and of one between them."""
     return [*itertools.product(models, (84, 120, 190))]
 
 

@@ -18,9 +18,9 @@ class FittedSeries:
         measured: the measured values, shape (K,).
         residuals: model − measured, shape (K,); NaN without a value of the model.
         sigma: the standard deviation of each value, shape (K,).
-        course: times [s] and values of the model up to the last measurement, shape (2, S); None for a
+        course: times [s] and values of the model up to the last of these K values, shape (2, S); None for a
             quantity of impacts.
-        onsets: the onsets of the model's impacts up to the last measurement [s]; empty without a course.
+        onsets: the onsets of the model's impacts up to the same time [s]; empty without a course.
     """
 
     data_set: int

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from chain_impact.pictures.drawing.figures import settle
@@ -27,6 +28,7 @@ FIT_PANEL_WIDTH, FIT_PANEL_HEIGHT = 5.2, 2.6  # [inch] size of a panel
 PANEL_PARTS = (5, 2)  # the relative heights of values and residuals
 IMPACT_PARTS = (3, 2)  # those of a quantity of impacts in a narrow figure, which has few values
 ROW_WIDTHS = [3, 3, 2]  # the relative widths of two panels over time and one of impacts in a row
+SAME_TIMES = 1e-6  # the largest difference of the ends of time axes that share numbers, relative to the ends
 
 
 def fit_size(contents: FitContents) -> tuple[float, float]:
@@ -78,12 +80,13 @@ def draw_fit(figure: Figure, contents: FitContents) -> None:
 
 
 def _share_times(figure: Figure, columns: int) -> None:
-    """Remove the name and the numbers of times if a panel below, with the same times, has them."""
+    """Remove the name and the numbers of an axis if the panel below, as wide, has the same name and ends."""
     residuals = figure.axes[1::2]
     for k, axes in enumerate(residuals):
         neighbours = residuals[k + columns : k + columns + 1]
-        ends = [(panel.get_xlabel(), panel.get_position().x1) for panel in (axes, *neighbours)]
-        if neighbours and ends[0] == ends[1]:
+        looks = [(panel.get_xlabel(), panel.get_position().x1) for panel in (axes, *neighbours)]
+        ends = [panel.get_xlim() for panel in (axes, *neighbours)]
+        if neighbours and looks[0] == looks[1] and np.allclose(ends[0], ends[1], rtol=SAME_TIMES, atol=0.0):
             axes.set_xlabel("")
             axes.tick_params(labelbottom=False)
 

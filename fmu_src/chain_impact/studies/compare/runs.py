@@ -13,9 +13,9 @@ class LawRun(LawRecording):
     """The run of a scene with one contact law, and the values of the first impact.
 
     The first impact is the first one at a wall if stops have their own law, else the first one of all.
-    Without a first impact, its values are NaN. If the first impact lasts to the end of the run, peak force
-    and penetration are the largest up to this end, and its other values are NaN. At a stop of a joint, a
-    moment [N·m] and an angle [rad] replace force and penetration.
+    Without a first impact, its values are NaN. If the first impact is no impulse, and lasts to the end of the
+    run, peak force and penetration are the largest up to this end, and its other values are NaN. At a stop of
+    a joint, a moment [N·m] and an angle [rad] replace force and penetration.
 
     Attributes:
         law: the id of the law.

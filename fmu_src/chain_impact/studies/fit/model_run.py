@@ -19,6 +19,7 @@ CURVE_POINTS = 1500  # number of equal intervals of time between the rows of a r
 def model_run(fit: Estimates, k: int) -> Result:
     """Return the run of data set ``k`` with the fitted values, in CURVE_POINTS + 1 rows of equal distance.
 
+    If the run stops at a fault, it has only the rows before.
     Inputs act as in the fit, between the times of the data set.
     """
     data, scene = fit.data[k], fit.scenes[k]

@@ -27,6 +27,8 @@ PARQUET = ".parquet"
 def write_parquet(path: Path, chunks: Iterable[Columns]) -> None:
     """Write a table to a Parquet file; ``chunks`` yields all columns of some successive rows at a time.
 
+    Without a chunk, no file is written.
+
     Raises:
         MissingExtraError: when pyarrow is not installed.
         OSError: when the file cannot be written.
