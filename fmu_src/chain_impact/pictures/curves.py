@@ -200,9 +200,10 @@ def lacks_impulses(recording: Recording, curves: Curves) -> bool:
 
 
 def narrow_peak(recording: Recording, curves: Curves) -> int:
-    """Return the number, from 1, of the impact with the largest drawn force if its curve looks like a line.
+    """Return the number, from 1, of an impact so short that the largest drawn force in it looks like a line.
 
-    The result is 0 without such an impact, and for curves around an impact.
+    If this force (``largest_force``) acts during several such impacts, the result is the first of them. It is
+    0 without such an impact, and for curves around an impact.
     """
     name, size = largest_force(curves)
     if curves.number or not name:
@@ -235,7 +236,7 @@ def draw_curve_panels(panel_axes: Sequence[Axes], recording: Recording, curves: 
     """Draw the curves into axes that a user gives: those of each unit into one of the axes, in order.
 
     Raises:
-        ValueError: when the numbers of axes and units differ, or there are too many curves.
+        ValueError: when the numbers of axes and units differ, or there are too many units or curves.
     """
     check_curves(curves)
     count = len(curves.panels)

@@ -31,8 +31,8 @@ def touching_points(recording: Recording) -> list[int]:
 def name_points(axes: Axes, recording: Recording, used_pixels: UsedPixels) -> None:
     """Write the names of points that touch beside the chain at the start, in its colour, on free pixels.
 
-    A point without a name is "point 2" or, without room and after the first one, only "2". A name stands
-    nearer to its own point than to any other point of the chain.
+    A point without a name is "point 2" or, without room and after the first one, only "2". A name without a
+    leader stands nearer to its own point than to any other point of the chain.
     """
     points, positions = touching_points(recording), recording.all_points[0]
     if len(points) > MOST_NAMED_POINTS:
