@@ -66,6 +66,13 @@ def test_the_rows_are_those_in_the_memory(name, tmp_path):
     assert (tmp_path / "from_folder.csv").read_bytes() == (tmp_path / "from_memory.csv").read_bytes()
 
 
+def test_a_notebook_shows_as_many_runs_of_a_folder_with_short_files(tmp_path):
+    values = {"contact.restitution": np.linspace(0.1, 0.7, 12)}
+    found, here = (sweep("rod_drop", values, path=path, threads=2) for path in (tmp_path / "runs", None))
+    assert len(next(iter(found.chunks(["status"])))["status"]) < 10
+    assert found._repr_html_() == here._repr_html_()
+
+
 def test_other_programs_read_the_folder_in_the_order_of_the_runs(tmp_path, whole):
     import pandas as pd
     from pyarrow import dataset, parquet

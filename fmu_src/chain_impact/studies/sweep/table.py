@@ -73,10 +73,12 @@ class Sweep(SweepRuns):
 
     def _repr_html_(self) -> str:
         """Return HTML for a notebook: the text of ``repr``, and the rows of the first SHOWN_RUNS runs."""
-        first = next(iter(self.chunks(self.names)), {})
-        rows = list(
-            zip(*(map(_cell_text, column[:SHOWN_RUNS].tolist()) for column in first.values()), strict=True)
-        )
+        rows: list[tuple[str, ...]] = []
+        for columns in self.chunks(self.names):
+            parts = (column[: SHOWN_RUNS - len(rows)].tolist() for column in columns.values())
+            rows += [*zip(*(map(_cell_text, part) for part in parts), strict=True)]
+            if len(rows) == SHOWN_RUNS:
+                break
         more_text = (
             [f"… and {count_text(len(self) - SHOWN_RUNS, 'more run')}"] if len(self) > SHOWN_RUNS else []
         )
