@@ -8,7 +8,7 @@ from tests.helpers.kernel.plain import initialized
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_protocol(item):
-    """Silence divisions by zero: they give inf or NaN, which the step control rejects.
+    """Silence divisions by zero, invalid operations and overflows: the step control rejects inf and NaN.
 
     A test that replaces functions initializes its records itself. A hook takes less time than fixtures.
     """

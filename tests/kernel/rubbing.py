@@ -128,7 +128,7 @@ class AtRest:
         return tuple(int(mode) for mode in self.d.friction_element.mode[self.elements])
 
     def limits(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return µ_s F_n and µ F_n of all elements."""
+        """Return µ_s F_n and µ F_n of all elements; both are M/size for a joint."""
         d = self.d
         held = [
             d.law.static_friction[e] * d.contacts.force[e]

@@ -67,7 +67,7 @@ def test_each_candidate_has_a_law_once_a_run_has_started(d):
     assert is_sound(d) == 1
 
 
-# lower and upper bound of each index of a chain of N links with C candidates and 7 impacts
+# lower and upper bound of each index of a chain of 3 links with 16 candidates and 7 impacts
 BOUNDS = {
     ("chain", "meeting_joint"): (0, 3),
     ("step", "regularized_candidate"): (NO_CONTACT, 15),

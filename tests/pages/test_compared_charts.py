@@ -99,7 +99,7 @@ def test_an_axis_of_square_roots_holds_a_far_higher_pin(show, script):
 
 
 def test_letters_stand_where_their_curve_is_far_from_others(script):
-    """A leaves the present curve at the right, and B is far from it; C is nowhere."""
+    """A leaves the present curve at the right, B is far from it, and C lies on it."""
     box = {"left": 0, "top": 0, "width": 300, "height": 100}
     own = [[[0, 90], [300, 90]]]
     courses = {"A": [[0, 90], [200, 90], [300, 60]], "B": [[0, 50], [300, 50]], "C": [[0, 90], [300, 90]]}

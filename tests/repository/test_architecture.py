@@ -52,7 +52,7 @@ def imported(file):
 
 
 def others(file, allowed):
-    """Return the other modules that a file imports."""
+    """Return the modules that a file imports and that are not in packages ``allowed``."""
     return [
         m
         for m in imported(file)

@@ -62,7 +62,7 @@ def blocks(page, language):
 
 
 def commands(page):
-    """Return the arguments of every chain-impact command of a page, in sh blocks and in inline code."""
+    """Yield the arguments of chain-impact or our build script, in sh blocks and inline code of a page."""
     text = page.read_text(encoding="utf-8")
     lines = [line for block in blocks(page, "sh") for line in block.splitlines()]
     lines += re.findall(r"`((?:python build_fmu\.py|chain-impact) [^`\n]+)`", text)
@@ -129,7 +129,7 @@ def slug(heading):
 
 
 def others(page):
-    """Return the other commands that a page asks a reader to run."""
+    """Yield all commands in the sh blocks of a page."""
     for line in "\n".join(blocks(page, "sh")).splitlines():
         yield from line.partition("  #")[0].split(" && ")
 
@@ -168,7 +168,7 @@ def folder(tmp_path_factory, run):
 
 
 def chain_impact(line):
-    """Return the arguments of a line that runs chain-impact; None for any other line."""
+    """Return the arguments of a line that runs chain-impact or our build script; None for any other line."""
     found = re.search(r"(chain-impact|build_fmu\.py) (.*)", line.partition("  #")[0])
     if found and found[1] == "build_fmu.py":
         return ["build", *shlex.split(found[2])]

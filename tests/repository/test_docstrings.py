@@ -30,7 +30,7 @@ def arguments_of(function):
 
 
 def attributes_of(class_node):
-    """Return the names that a class defines or sets; None if it may inherit others."""
+    """Return the names that a class defines, sets or reads; None if it may inherit others."""
     if {ast.unparse(base) for base in class_node.bases} - PLAIN_BASES:
         return None
     names = set()

@@ -38,9 +38,9 @@ BODIES = {
     "inputs": {"slider_force": True},
     "outputs": {"loads": True},
 }
-"""A scene with a slider, and a link with a shape."""
+"""A scene with a slider, and a link with an offset of its centre of mass and a point."""
 DRIVES = {"link[2].joint_armature": 0.1, "link[2].joint_torque_limit": 9.0, "inputs.joint_targets": True}
-"""A scene with drives."""
+"""Values that give the joints of a scene drives."""
 HINT = "run: python tests/repository/test_public_api.py"
 
 

@@ -15,10 +15,7 @@ SCRIPTS = sorted(file for folder in FOLDERS for file in ROOT.glob(f"{folder}/*.p
 
 
 def names_of(module):
-    """Return the names that a module's source defines or imports at top level.
-
-    For the package, its exports.
-    """
+    """Return the names that a module's source defines or imports at top level, and the package's exports."""
     names = set(chain_impact.__all__) if module == "chain_impact" else set()
     for node in ast.parse(Path(find_spec(module).origin).read_text(encoding="utf-8")).body:
         if isinstance(node, ast.Import | ast.ImportFrom):

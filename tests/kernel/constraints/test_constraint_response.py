@@ -27,7 +27,10 @@ CASES = pytest.mark.parametrize("case", OF_WALLS + OF_STOPS, ids=lambda case: "-
 
 
 def chain_at_walls(case, resist=True):
-    """Return a chain that touches walls of several directions: its record, M, all ∇g and ∇g of contacts."""
+    """Return a chain that touches walls of several directions.
+
+    These are the scene, its record, the angles, ∇g of all candidates and of the contacts, and random numbers.
+    """
     count, base, touching = case
     rng = np.random.default_rng([count, len(base), touching or 7])
     more = {"springs": resist, "dampers": resist}

@@ -18,7 +18,7 @@ CASES = [("free", 3, True), ("free", 2, False), ("pinned", 1, True), ("pinned", 
 
 
 def stuck(seed, case, part):
-    """Return a chain whose elements all stick, with limits of at least 0.2 ``part`` of their forces."""
+    """Return a chain whose elements all stick, with limits of 0.2 to 1.5 times ``part`` of their forces."""
     chain = AtRest(seed, *case)
     d = chain.d
     d.friction_element.mode[chain.elements] = STICKS

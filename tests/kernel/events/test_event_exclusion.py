@@ -85,7 +85,7 @@ def test_contacts_that_cross_their_kink_or_are_pushed_in_are_looked_at():
 def test_a_step_in_which_links_turn_far_or_inputs_change_fast_is_looked_at():
     for field in ("turn", "input_rate", "fade"):
         d, _motion = stepped(0, near=2.0)
-        # the walls are close to the end of the step, so that the known clearance is small
+        # one large quantity demands a look, although all walls are far
         if field == "turn":
             d.scratch.rate_end[d.link_count + 4] = 2.0 / d.step.size**2 * 1.1
         elif field == "input_rate":

@@ -226,7 +226,7 @@ def locate_touching_state(law, e):
 @pytest.mark.parametrize("law", KINKED)
 @pytest.mark.parametrize("e", [0.1, 0.5, 0.8])
 def test_the_realised_restitution_errs_by_the_tolerance(law, e):
-    """No smaller tolerance gives a larger error."""
+    """The error is at most LARGEST_ERROR times the tolerance, at each tolerance."""
     right, _, _ = scaled_impact(CONTACT_LAWS[law], e)
     for tolerance in TOLERANCES:
         (impact,) = simulate(

@@ -59,7 +59,7 @@ def arrived(law="zhang_sharf", speed=1.0, depth=0.0, touching=()):
 
 
 def begins_explicit(d):
-    """Return whether steps are explicit, when no earlier step was stiff."""
+    """Return whether steps are explicit, and stiff steps are counted anew."""
     own = d.step
     return (own.method, own.stiff_count, own.switch_after) == (EXPLICIT, 0, MIN_SWITCH_STEPS)
 

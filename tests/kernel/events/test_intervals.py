@@ -17,7 +17,7 @@ from tests.kernel.chains import chain, stopped_chain, stops_of
 
 
 def interval(start, end, rates, curvature, *, active=0, size=2.0):
-    """Set candidate 0 with these φ and φ′ at the ends of the step, and a bound on |φ″|."""
+    """Return a chain whose candidate 0 has these φ and φ′ at the ends of the step, and a bound on |φ″|."""
     _, d = chain(np.random.default_rng(0), 1)
     d.step.size, d.step.regularized_candidate, d.chain.longest_link = size, -1, 1.0
     d.contacts.active[0] = active

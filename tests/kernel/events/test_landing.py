@@ -34,7 +34,7 @@ from tests.kernel.steps import gaps_of, points_of, set_step, translation, wall_a
 
 
 def touched(gap, rate, bend=0.0, *, active=0, kind=ONSET, theta=0.5, size=1.0):
-    """Return a candidate whose clearance starts with this value, rate and curvature, with an event at θ."""
+    """Return a chain: the clearance of candidate 1 starts with this value, rate and curvature; event at θ."""
     _, d = chain(np.random.default_rng(0), 2)
     c = 1
     motion = translation(d, [0.3, 0.1], [0.0, rate, 0.5 * bend])

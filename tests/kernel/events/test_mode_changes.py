@@ -60,7 +60,7 @@ def test_a_step_ends_where_a_link_with_a_dry_joint_stops(speed, method):
 
 
 def compound_pendulum(moment):
-    """Return two links in line that fall about a pin with a sticking joint, and the time of its slip.
+    """Return two links in line that fall about a pin with a sticking joint, and the angle at its slip [rad].
 
     The rigid pendulum has θ̈ = −V′/I. The moment in the joint moves the lower link alone:
     I₂ θ̈ + m₂ c₂ (ℓ₁ θ̈ + g cos θ), with I₂ about the joint: in proportion to cos θ. The friction is the part

@@ -32,7 +32,7 @@ from tests.kernel.chains import (
 )
 
 E, SLOWEST = 0.6, 1e-3
-POINTS = [1, 6, 11, 16]  # points of a free chain, one at each of the walls
+POINTS = [1, 6, 11, 16]  # candidates of a free chain: four points, each at another wall
 
 
 class Touching(NamedTuple):
@@ -47,7 +47,7 @@ class Touching(NamedTuple):
 
 
 def touching(seed, candidates=(1, 6, 11), *, base="free", kinds=ONSET, arrive=True):
-    """Return a chain at rigid walls with approaching candidates."""
+    """Return a chain at rigid walls, at which candidates arrive or, with NO_EVENT, are in contact."""
     rng = np.random.default_rng(seed)
     scene, d = chain(rng, 4, base, model="newton_impact", restitution=E, minimum_impact_speed=SLOWEST)
     candidates = [c - (base == "pinned") for c in candidates]

@@ -6,7 +6,7 @@ MASS, SPEED, STIFFNESS = 2.0, 1.5, 1e7
 
 
 def scaled_impact(law, e, mass=MASS, speed=SPEED, stiffness=STIFFNESS):
-    """Return restitution, depth [m] and force [N] of a law's impact, by integration without the kernel.
+    """Return restitution, largest depth [m] and force [N] of a law's impact, integrated without the kernel.
 
     With the length L = (m v²/K)^{1/(n+1)} and the time L/v, m δ̈ = −K δⁿ − d δᵖ δ̇ is the equation of
     ``rebound`` with f = d Lᵖ⁺¹/(m v).

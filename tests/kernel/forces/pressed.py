@@ -7,13 +7,14 @@ from chain_impact.kernel.record.constants import NOT_GIVEN
 from tests.helpers.models.reference import mass_matrix
 from tests.kernel.chains import chain, free_coordinates, gradients, locate_touching_state
 
-CANDIDATES = [1, 6, 11, 16]  # points 0 to 4 of a free chain, each at another wall
+CANDIDATES = [1, 6, 11, 16]  # points 0, 1, 2 and 4 of a free chain, each at another wall
 
 
 def problem(base="free", pressed=(1, 0, 1, 1), seed=0, masses=None):
-    """Return a chain whose touching candidates have target motions: state, J, M⁻¹ Jᵀ and W.
+    """Return record, state, J, M⁻¹ Jᵀ and W of a chain whose touching candidates have target motions.
 
-    With ``masses`` [kg] the links are rods with these masses, also in M⁻¹ Jᵀ and W.
+    ``pressed``: which of them are in the active set. With ``masses`` [kg] the links are rods with these
+    masses, but M⁻¹ Jᵀ and W are those of the links before.
     """
     rng = np.random.default_rng([len(base), seed])
     scene, d = chain(rng, 4, base, model="newton_impact")

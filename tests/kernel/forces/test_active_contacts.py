@@ -1,4 +1,4 @@
-"""Contacts of a chain: the loads of their forces, their dissipation, and the begin of a contact."""
+"""Contacts of a chain: the loads of their forces, their dissipation, and the beginning of a contact."""
 
 import math
 from functools import partial

@@ -34,7 +34,7 @@ ANGLE, RATES = 3, (7, 9)  # of four links: the angle of link 2, and the rates of
 
 
 def after_a_step():
-    """Return the default chain at the end of a step in flight, and the energy balance at its start."""
+    """Return the default chain at the end of a step in flight, with the energy balance at its start set."""
     instance = Instance(load_scene("four_link_box"))
     instance.advance(0.2)
     d = Plain(instance.record)
@@ -211,7 +211,7 @@ def test_a_balance_starts_from_the_present_energies():
     assert (own.window_start, own.run_start, own.break_count) == (1.0, 1.0, 7)
     for name in ("value_end", "value_start", "run_value", "window_value"):
         assert own[name] == present
-    # all energy except the potential energy; nothing is supplied, but 1.3 J were dissipated
+    # kinetic and dissipated energy, and the 1.3 J that inputs have taken
     assert own.available_energy == pytest.approx(
         present - mechanical_energy(d, y)[1] + own.least_allowed_change, rel=1e-13
     )

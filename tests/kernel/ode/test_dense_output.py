@@ -91,7 +91,10 @@ def test_a_component_and_its_rate_stay_within_their_bounds(d, j):
 
 
 def falling(d, start, end, lasts=1.0):
-    """Let u vary linearly from ``start`` to ``end``, and time be ∫u, over a step of size 1."""
+    """Let u vary linearly from ``start`` to ``end``, and time be ∫u, over a step of size ``lasts``.
+
+    Return the time since the start of the step as a function of θ.
+    """
     d.step.size, d.step.regularized_candidate = lasts, 0
     d.step.state[[ROOT, CLOCK]] = start, 0.0
     d.step.dense[:, [ROOT, CLOCK]] = 0.0

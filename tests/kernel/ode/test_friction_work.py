@@ -14,7 +14,7 @@ H = 0.1  # s
 
 @pytest.fixture
 def rubbing():
-    """Return a random generator, an instance with sliding elements, and the gradients of their places."""
+    """Return random numbers, an instance, its sliding elements, and the gradients of their places."""
     rng = np.random.default_rng(23)
     scene, d, y = rubbing_chain(rng, "free", 2, True)
     elements = d.friction_element.index[: d.friction.active_count].copy()

@@ -106,7 +106,7 @@ def test_a_step_can_be_cut_also_at_the_communication_point_and_taken_back(method
 
 
 def sticking_and_damped():
-    """Return two links at one base: the first sticks, and the second turns slowly against a damper."""
+    """Return a pinned chain: its first link sticks, and its second turns slowly against a damper."""
     links = [
         {"length": 1.0, "mass": 1.0, "joint_friction": 1.0},
         {"length": 1.0, "mass": 1.0, "joint_damping": 0.1},
@@ -233,7 +233,7 @@ def test_a_link_can_have_turned_as_its_rates_at_the_ends_allow():
 
 @pytest.mark.parametrize("touching", [0, 1, 2])
 def test_points_that_the_error_of_a_step_has_located_are_not_located_again(monkeypatch, touching):
-    """The error of a step locates the points only if there are contacts."""
+    """The error of a step locates the points only if there are contacts, or elements that stick."""
     d, told = started(), []
     methods.prepare_step(d, H)
     methods.integrate_trial(d, H)

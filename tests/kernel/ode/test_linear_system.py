@@ -40,7 +40,7 @@ def linearized(turn, stiffness, damping):
 
 
 def jacobian(d, turn):
-    """Return a, assembled: rows of ẋ, v̇, ġ, g̈ and ṗ in the unknowns x, v, g, ġ and p."""
+    """Return A, assembled: rows of ẋ, v̇, ġ, g̈ and ṗ in the unknowns x, v, g, ġ and p."""
     count = int(d.contacts.active_count)
     size = state.sundman_u_at(d.link_count) + 3 * count
     angles = d.step.state_end[2 : N + 2]

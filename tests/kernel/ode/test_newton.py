@@ -72,7 +72,7 @@ def problem(rate, jacobian):
 
 @pytest.fixture
 def estimated(monkeypatch):
-    """Return a function (d, h) for the error of a completed step of the same problem."""
+    """Return a function of f and A that returns a function (d, h): the error of a completed step."""
 
     def of(rate, jacobian):
         def solve(d, shift, x):

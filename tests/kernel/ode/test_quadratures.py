@@ -26,7 +26,7 @@ from tests.kernel.rubbing import rubbing_chain
 
 
 def unbalanced(result):
-    """Return the momentum [N·s] at each communication point that neither gravity nor the walls have given."""
+    """Return the largest part of the momentum [N·s] that neither gravity nor the walls have given."""
     scene = result.scene
     momentum, _ = momenta(result)
     mass = sum(link.mass for link in scene.chain.links)

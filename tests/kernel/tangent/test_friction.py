@@ -78,7 +78,10 @@ def test_the_force_drops_at_contacts_where_sliding_has_less_friction(t, e, stati
 
 
 def margin_of(monkeypatch, t, rate):
-    """Return φ = 9 − y₀, where y₀ = 9 at the end of the step and grows at a rate."""
+    """Let φ = 9 − y₀, where y₀ = 9 at the end of the step and grows at a rate.
+
+    Return the list of y₀ − 9 at which points are located from now on.
+    """
     y = [dual(9.0, 2.0, -6.0)]
     t.scratch.state, t.step.state_end, t.scratch.rate_end = [None], y, [dual(rate, 70.0, 70.0)]
     located = []

@@ -166,10 +166,7 @@ def calls(monkeypatch):
     ],
 )
 def test_a_step_is_made_once_more(monkeypatch, calls, last, size, more):
-    """Whole and cut steps.
-
-    A step up to the end of its contact is repeated in short steps, as a force has a kink there.
-    """
+    """Whole and cut steps: a step that is cut at the end of its own contact is made with the cut size."""
     d, t = instances(**last)
     monkeypatch.setattr(replay, "repeat_step", lambda _d, t, h: calls.append(("make", t.step.method, h)))
     monkeypatch.setattr(replay, "copy_end_values", lambda _d, _t: calls.append(("copy_end_values",)))

@@ -96,7 +96,7 @@ TOLERANCE, LEAST, TIME = 1e-6, 1e-2, 2.5
 
 
 def dual(number):
-    """Return a number whose derivatives say nothing about it."""
+    """Return a dual number whose derivatives must not matter."""
     return Dual(number, [100.0, -100.0])
 
 
