@@ -108,7 +108,7 @@ def test_a_scene_is_the_same_again_after_mjcf(model, tmp_path):
 
 
 def test_the_model_of_a_real_arm_is_what_convert_makes_of_its_file():
-    """The model equals the converted file except for the joints' angles at the start, targets and limits."""
+    """Base, inputs and links are those of the file; starting angles, targets and limits may differ."""
     joints = ["shoulder_lift_joint", "elbow_joint", "wrist_1_joint"]
     made, _ = scene_of_robot(models_folder() / "ur5e" / "ur5e.xml", ConversionChoices(joints))
     model = load_scene("ur5e")

@@ -1,4 +1,4 @@
-"""A Chromium for the tests of the pages, with a page or with the kernel alone."""
+"""Fixtures of the tests of the pages: a Chromium with a page or the kernel alone, and scripts without it."""
 
 import numpy as np
 import pytest
@@ -56,7 +56,7 @@ BEGUN = """new Promise((done) => new PerformanceObserver((marks, observer) => {
 """Waits for the first motion; a condition that is polled would request frames."""
 
 USUAL = {"viewport": DESK, "reduced_motion": "reduce", "color_scheme": "light"}
-"""The options of a page that can be changed later."""
+"""Usual values of the options that an open page can change."""
 
 
 @pytest.fixture(scope="package")
@@ -94,7 +94,10 @@ def idle(browser):
 
 @pytest.fixture
 def open_page(browser, idle):
-    """Open a page, which must not report errors or load files; its clock may be ``stopped``."""
+    """Return a function that opens a page; its clock may be ``stopped``.
+
+    The test fails if a page writes to the console, raises an error or loads another file.
+    """
     said, opened, local = [], [], ["data:", "blob:"]
     listeners = {
         "console": lambda message: said.append(message.text),
@@ -144,7 +147,7 @@ def open_page(browser, idle):
 
 @pytest.fixture
 def show(open_page, address, tmp_path):
-    """Open the simulating page with the four-link box, or with other values."""
+    """Return a function that opens the simulating page of four_link_box or of ``model`` with ``changes``."""
 
     def show(model="", changes=None, hash_="", **options):
         if not model:
@@ -176,7 +179,10 @@ def worker(browser):
 
 @pytest.fixture(scope="module")
 def kernel(worker):
-    """Run a scene in a browser: its columns by name, its impacts, and the other results of the kernel."""
+    """Return a function that runs a scene in a browser.
+
+    It returns time, columns by name, impacts, and the other results of the kernel.
+    """
 
     def run(scene, values=None):
         times = {"stop": scene.simulation.stop_time, "step": scene.simulation.step_size}
@@ -212,7 +218,7 @@ def recorded_address(recording, tmp_path_factory):
 
 @pytest.fixture
 def show_recording(open_page, recorded_address, tmp_path):
-    """Open the page of the box with four links, or of another recording."""
+    """Return a function that opens the page of four_link_box, of another recording, or an ``address``."""
 
     def show(recording=None, address=recorded_address, **options):
         if recording is not None:
