@@ -18,7 +18,7 @@ SMALL = 1e-8  # over the weight of the chain, and over its mass times one link l
 
 
 def friction_checks(scene: Scene, outputs: Any) -> Iterator[Row]:
-    """Return checks of friction at each row: kind, value, bound and words."""
+    """Yield kind, value, bound and words of each check of friction over all rows; none without friction."""
     if not scene.has_friction:
         return
     friction = outputs["friction"]

@@ -250,7 +250,7 @@ def _box(
 
 
 def slope(draw: Draw, scene: Scene, number: int) -> dict[str, Any]:
-    """Return a wall near the points that may touch it, as far away as the walls of a box."""
+    """Return a wall near the points that may touch it, as far away as a wall of a box that is not tight."""
     angle, size = draw.real(-math.pi, math.pi), max(link.length for link in scene.chain.links)
     margin = draw.one((size * draw.real(0.05, 2.0), draw.power(1e-13, 1e-3), 0.0), (0.85, 0.1, 0.05))
     along, normal = (

@@ -271,7 +271,7 @@ def runs(kind: str, seeds: Iterable[int], lasting: float, threads: int) -> Itera
 
 
 def main() -> None:
-    """Run the campaign, and print numbers of runs, the drift at rest and 20 runs that end early."""
+    """Print for each kind how its runs end, the largest drift at rest, 20 early ends and the slowest."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("kinds", nargs="*", default=[], help=f"of {', '.join(KINDS)}; all of them")
     parser.add_argument("--count", type=int, default=3000, help="scenes of each kind")

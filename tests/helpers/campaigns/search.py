@@ -2,7 +2,8 @@
 
 ``verdict(scene, seed)`` judges one scene, ``verdicts(seeds)`` many scenes on several cores. The timer of its
 process kills a run that exceeds its CPU time (SIGPROF, whose default action needs no code of Python or of the
-kernel). The parent then sees the pipe close, reports how far the run came, and starts another process.
+kernel). The parent then sees the pipe close, reports how far the run came, and starts another process for the
+next scene.
 
 ``python -m tests.helpers.campaigns.search --count 20000`` searches more scenes than the tests, and prints the
 findings by kind, with their seeds. Special kinds of scenes begin at whole millions (``--first``), which
@@ -181,7 +182,7 @@ def main() -> None:
     ends: Counter[str] = Counter()
     found: dict[str, list[str]] = defaultdict(list)
     for one in verdicts(range(options.first, options.first + options.count), options.cpu, options.cores):
-        ends["ended by the timer" if one.status is None else STATUS_TEXT[one.status]] += 1
+        ends["the process ended before the run" if one.status is None else STATUS_TEXT[one.status]] += 1
         for kind in one.kinds:
             found[kind].append(str(one))
     for title, texts in [

@@ -131,7 +131,10 @@ def make_rigid(d: Plain, rigid: Any = 1) -> None:
 
 
 def pack(d: Plain) -> None:
-    """Pack the active contacts as the solver does, those with a force first, and reset the quadratures."""
+    """Pack the active contacts as the solver does, and reset the quadratures.
+
+    Those with a force come first, and have no constraint in the active set.
+    """
     packed = sorted(np.flatnonzero(d.contacts.active), key=lambda c: d.law.rigid[c])
     d.contacts.active_index[: len(packed)] = packed
     d.contacts.active_count = len(packed)

@@ -73,6 +73,7 @@ class Processes:
         """Run ``call``, which holds source, name and arguments of a function (forks.py).
 
         Return the exit code, or minus the number of a signal, and the texts of standard output and error.
+        Fail if the process that has imported the module dies, or does not answer in time.
         """
         parent = self.parents.get(module) or self.start(module)
         files = [self.folder / name for name in ("printed", "errors")]
