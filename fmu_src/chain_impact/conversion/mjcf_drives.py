@@ -29,7 +29,7 @@ class Drive:
 
     Attributes:
         name: the name of the actuator.
-        torque: the torque for q = q̇ = 0, with the control at the start [N·m].
+        torque: the torque for q = q̇ = 0, with the control or the activation at the start [N·m].
         gain: the change of the torque if the control grows by 1 [N·m].
         stiffness: stiffness of the actuator as a spring [N·m/rad].
         damping: damping of the actuator as a damper [N·m·s/rad].

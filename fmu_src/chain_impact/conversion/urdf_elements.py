@@ -40,7 +40,7 @@ In a fixed joint, such an element has no effect, and is not reported."""
 
 
 def check_elements(root: Element, path: Path) -> None:
-    """Refuse elements that stand twice, and numbers that make no sense, in links and joints of a file.
+    """Refuse elements that are read and stand twice, and senseless numbers, in links and joints of a file.
 
     An error names ``path``, the file. A value that is no number at all is not refused here.
     """

@@ -41,7 +41,7 @@ class Body:
 
     @property
     def depth(self) -> float:
-        """The penetration [m] at rest on a level floor; on a slope the weight is smaller."""
+        """The penetration [m] at rest on a level floor; on a slope it is smaller."""
         return self.depth_under(self.mass * GRAVITY)
 
     def depth_under(self, force: float) -> float:

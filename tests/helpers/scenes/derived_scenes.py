@@ -62,7 +62,7 @@ PARAMETER_CHANGES = (
 
 
 def finger() -> Scene:
-    """Return the scene."""
+    """Return the scene of FINGER."""
     return parse_scene(FINGER, "finger.toml")
 
 

@@ -52,7 +52,7 @@ def struck_rod(model: str, e: float, **stops: Any) -> Scene:
 
 
 def simultaneous_impacts(walls: str, stops: str, omegas: list[float]) -> Scene:
-    """Return two links that at time 0 hit a floor with their tip and the stop of their knee."""
+    """Return two links whose tip is at a floor and whose knee is at a stop, which ``omegas`` let them hit."""
     angles = [0.0, -0.5]
     law = {"restitution": 0.5, "stiffness": 1e5, "exponent": 1.0}
     motion = {"angles": angles, "angular_velocities": omegas}
