@@ -178,6 +178,14 @@ def test_terminals_name_variables_that_are_there(native, tmp_path, folder):
         assert any(line.endswith(sentence) for line in lines), lines
 
 
+def test_terminals_that_are_no_xml_are_told_with_their_file(native, tmp_path):
+    path = spoiled(native["rod_drop"], tmp_path / "x.fmu", lambda name, content: content)
+    with zipfile.ZipFile(path, "a") as fmu:
+        fmu.writestr("icons/terminalsAndIcons.xml", "<Terminals>")
+    (line,) = validate_fmu(path)
+    assert line.startswith("icons/terminalsAndIcons.xml: is no XML: ")
+
+
 @pytest.mark.parametrize(
     "names", ["min > max, a continuous parameter", "an output that is not there, two units of one name"]
 )

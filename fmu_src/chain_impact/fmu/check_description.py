@@ -62,17 +62,17 @@ def description_findings(path: Path) -> list[Finding]:
     """
     if findings := archive_findings(path):
         return findings
+    roots: dict[str, Element] = {}
     with zipfile.ZipFile(path) as fmu:
-        try:
-            root = ElementTree.fromstring(fmu.read(DESCRIPTION))
-            terminals = {
-                name: ElementTree.fromstring(fmu.read(name)) for name in TERMINALS if name in fmu.namelist()
-            }
-        # ElementTree raises LookupError for an encoding that Python does not know
-        except (ElementTree.ParseError, LookupError) as error:
-            return [Finding(f"is no XML: {error}")]
-        except (zipfile.BadZipFile, zlib.error, RuntimeError, ValueError, EOFError) as error:
-            return [Finding(f"cannot be unpacked: {error}")]
+        for name in (DESCRIPTION, *(name for name in TERMINALS if name in fmu.namelist())):
+            try:
+                roots[name] = ElementTree.fromstring(fmu.read(name))
+            # ElementTree raises LookupError for an encoding that Python does not know
+            except (ElementTree.ParseError, LookupError) as error:
+                return [Finding(f"is no XML: {error}", name)]
+            except (zipfile.BadZipFile, zlib.error, RuntimeError, ValueError, EOFError) as error:
+                return [Finding(f"cannot be unpacked: {error}", name)]
+    root = roots.pop(DESCRIPTION)
     version = root.get("fmiVersion", "")
     if not version.startswith(FMI_VERSIONS):
         fault = f"fmiVersion = {version!r} must be one of {', '.join(FMI_VERSIONS)}: nothing else was checked"
@@ -82,7 +82,7 @@ def description_findings(path: Path) -> list[Finding]:
     names = {variable.name for variable in variables} | {
         alias.get("name", "") for alias in root.iter("Alias")
     }
-    for file, content in terminals.items():
+    for file, content in roots.items():
         faults += terminal_findings(content, names, file)
     structure = ModelStructure(root, variables)
     # fmpy (in ``_fmpy_faults``) would raise IndexError or KeyError for a reference to a missing variable

@@ -67,8 +67,8 @@ def record_fmu(
     Raises:
         SceneError: when the file is not an FMU of a chain, a name is unknown, a value is not allowed, or the
             table cannot drive the FMU.
-        RunError: when the FMU has no binary for this machine, or reports a fault; the error then has the
-            recording up to the fault.
+        RunError: when the FMU has no binary for this machine, or reports a fault; if this comes after the
+            first step, the error has the recording up to the fault.
         OSError: when a file cannot be read.
     """
     path, show = Path(path), progress or no_progress
