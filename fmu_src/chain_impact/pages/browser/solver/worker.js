@@ -32,7 +32,7 @@ function* rows(kernel, values, { names, inputSteps = {} }) {
 
 /**
  * Run once for each row of values (`each`, one row after the other) of the parameters `names`. Return in `rows` the words of the record
- * with the indices `words` at the end of each run, and in `firsts` the first impact of each run: name → value, or null without impacts. The
+ * with the indices `words` at the end of each run, and in `firsts` the first impact of each run: name → value, or null without impacts. A
  * peak force is null at a stop of a joint, and where `impactsUntil` leaves none.
  */
 function* study(kernel, values, { names, each, words }) {
