@@ -2,9 +2,13 @@
 
 # Tests: conversion/urdf.py, conversion/urdf_elements.py
 
+from xml.etree.ElementTree import fromstring
+
 import numpy as np
 import pytest
 
+from chain_impact.conversion.differences import LEFT_OUT, WARNING
+from chain_impact.conversion.urdf_elements import other_elements
 from tests.conversion.robot_files import TWO, joint, link, read, refused, urdf
 from tests.tiers import needs_interop
 
@@ -182,3 +186,20 @@ def test_ends_of_a_link_touch_in_place_of_its_mesh(tmp_path):
     assert len(scene.chain.links[1].points) == 1
     assert scene.contact.points == (1,)
     assert any("a: outlines of shapes (mesh) are not known: the two ends" in text for text in done.differs)
+
+
+@pytest.mark.parametrize(
+    ("extension", "title"),
+    [
+        ('<gazebo reference="u"><gravity>false</gravity></gazebo>', WARNING),
+        ('<gazebo reference="u"><gravity> True </gravity><mu1>1</mu1></gazebo>', LEFT_OUT),
+        ('<gazebo reference="a"><springStiffness>5</springStiffness></gazebo>', WARNING),
+        ('<gazebo reference="a"><springStiffness>0</springStiffness></gazebo>', LEFT_OUT),
+        ('<mujoco><compiler strippath="true"/><option gravity="0 0 -3"/></mujoco>', WARNING),
+        ('<mujoco><compiler settotalmass="5"/></mujoco>', WARNING),
+        ('<mujoco><compiler strippath="true"/><!-- a remark --></mujoco>', LEFT_OUT),
+    ],
+)
+def test_an_extension_for_a_simulator_that_changes_the_motion_is_a_warning(extension, title):
+    found = [*other_elements(fromstring(f"<robot>{extension}</robot>"))]
+    assert [difference.title for difference in found] == [title]

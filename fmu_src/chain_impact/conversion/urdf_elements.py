@@ -37,6 +37,20 @@ MIMIC_REASONS = {"mimic": "it follows another joint in the file, and moves freel
 """Element of a moving joint that changes the motion, and that scenes lack → the rest of the sentence on it.
 
 In a fixed joint, such an element has no effect, and is not reported."""
+MOTION_EXTENSIONS = {
+    "gravity": "true 1",
+    "turnGravityOff": "false 0",
+    "static": "false 0",
+    "springStiffness": "0",
+    "springReference": "0",
+    "dampingFactor": "0",
+    "option": "",
+}
+"""Element in an extension for one simulator, Gazebo or MuJoCo, that changes the motion there.
+
+The values are texts with which the element has no effect, separated by spaces."""
+MASS_SETTINGS = {"settotalmass", "boundmass", "boundinertia", "inertiafromgeom"}
+"""Attributes of MuJoCo's ``compiler`` element that change masses and inertias."""
 
 
 def check_elements(root: Element, path: Path) -> None:
@@ -93,7 +107,8 @@ def other_elements(root: Element) -> Iterator[Difference]:
                 dict.fromkeys(child.tag for child in part if isinstance(child.tag, str))
             )
             text = f"is not in the scene{f': {children_text}' if children_text else ''}"
-            yield Difference(kind=f"element {part.tag}", name=name, text=text, effect=SceneAspect.NONE)
+            effect = SceneAspect.MOTION if any(map(_changes_motion, part)) else SceneAspect.NONE
+            yield Difference(kind=f"element {part.tag}", name=name, text=text, effect=effect)
             continue
         yield from _attributes(part, f"robot/{part.tag}", part)
         for path, element in _inner_elements(part, f"robot/{part.tag}"):
@@ -103,6 +118,13 @@ def other_elements(root: Element) -> Iterator[Difference]:
                 yield _difference(part, element.tag, MIMIC_REASONS.get(element.tag, ""), _values(element))
             else:
                 yield from _attributes(element, path, part)
+
+
+def _changes_motion(element: Element) -> bool:
+    """Return whether ``element``, in an extension for one simulator, changes the motion in this simulator."""
+    if element.tag in MOTION_EXTENSIONS:
+        return (element.text or "").strip().lower() not in MOTION_EXTENSIONS[element.tag].split()
+    return element.tag == "compiler" and not MASS_SETTINGS.isdisjoint(element.attrib)
 
 
 def _inner_elements(part: Element, path: str) -> Iterator[tuple[str, Element]]:
