@@ -13,7 +13,7 @@ BEGINNINGS = {".html": b"<!doctype html>", ".gif": b"GIF89a"}
 
 
 def swing(rows=20):
-    """Return a rod of 1 m that turns about the origin, without walls."""
+    """Return a recording of a rod of 1 m that turns about the origin, without walls."""
     time = np.linspace(0.0, 0.5, rows)
     columns = {"point[0].x": 0 * time, "point[0].y": 0 * time}
     columns |= {"point[1].x": np.cos(time), "point[1].y": np.sin(time), "energy.total": 1 + time}

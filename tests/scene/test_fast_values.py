@@ -85,3 +85,12 @@ def test_a_fast_change_of_the_start_leaves_each_warning_to_the_reader():
     given = arm.with_values({"initial.joint_angles": [4.0, -4.0]})
     with pytest.warns(SceneWarning, match=r"initial\.joint_angles\[2\] = -8 rad is 1\.27 turns"):
         given.with_values({"initial.angle[2]": -4.0})
+
+
+def test_a_fast_change_of_a_mass_brings_the_hint_on_lengths():
+    long_arm = load_scene("pinned_arm").with_values(
+        {"box.x_max": None, "link[1].length": 25.0, "link[1].mass": 10.0}
+    )
+    assert with_numbers(long_arm, {"link[1].mass": 9.0}) is not None
+    with pytest.warns(SceneWarning, match=r"link\[1\]\.length = 25 m is long .*: is it in mm\?"):
+        long_arm.with_values({"link[1].mass": 1.0})

@@ -107,7 +107,7 @@ def test_a_derivative_is_for_a_constant_added_to_the_function():
 
 
 def test_a_piece_costs_no_restart():
-    """The number of evaluations is at most 1.7 times that of a run without inputs, whose steps are longer."""
+    """The number of evaluations is at most 1.7 times that of a run without inputs."""
     scene = arm()
     free, followed = simulate(scene), simulate(scene, inputs={SHOULDER: wave})
     assert followed.statistics["rhs_evaluations"] < 1.7 * free.statistics["rhs_evaluations"]

@@ -40,7 +40,7 @@ def dataframe(prepared_scene: PreparedScene, time: np.ndarray, columns: Mapping[
 
 
 def impact_table(impacts: np.ndarray, walls: Sequence[str], *, has_stops: bool) -> Any:
-    """Return impacts as a table of pandas; the column ``wall`` has the names of the walls.
+    """Return impacts as a table of pandas, with rows from 1; the column ``wall`` has the names of the walls.
 
     ``attrs["units"]`` has the units of the columns. If ``has_stops``, because joints have stops,
     ``attrs["units_at_stops"]`` has the units of impacts at these stops, which have moments and angles.
@@ -56,7 +56,10 @@ def impact_table(impacts: np.ndarray, walls: Sequence[str], *, has_stops: bool) 
 
 
 def stick_slip_table(phases: np.ndarray, walls: Sequence[str]) -> Any:
-    """Return phases of dry friction as a table of pandas, with names of walls ("" without one) and modes."""
+    """Return phases of dry friction as a table of pandas, with rows from 1.
+
+    The table has names of walls ("" without one) and modes, and ``attrs["units"]`` has the units of times.
+    """
     pandas = require("pandas", "pandas")
     columns: dict[str, Any] = {name: phases[name] for name in phases.dtype.names or ()}
     columns["wall"] = ["" if wall == NO_WALL else walls[wall] for wall in phases["wall"]]

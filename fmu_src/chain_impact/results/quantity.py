@@ -84,6 +84,9 @@ def _largest_of_impacts(
 
     If ``at_stops``, only the impacts at stops of joints count, else only those at walls and at stops of a
     slider.
+
+    Raises:
+        SceneError: when no value is above 0.
     """
     values = _values_of(recording, field, at_stops=at_stops)
     if not np.nanmax(values, initial=0.0) > 0.0:
@@ -112,7 +115,11 @@ def _largest_in(recording: Recording, field: str, *, at_stops: bool) -> float:
 def _impact_quantity(
     recording: Recording, sensitivities: Sensitivities, number: int, field: str
 ) -> RankedQuantity:
-    """Return the quantity ``field`` of the impact with a number, from 1, with its derivatives."""
+    """Return the quantity ``field`` of the impact with a number, from 1, with its derivatives.
+
+    Raises:
+        SceneError: when there is no such impact, or the column ``field`` has no derivatives.
+    """
     impacts, slopes = recording.impacts, sensitivities.impact_slopes
     if not 1 <= number <= len(impacts):
         impact_text = count_text(len(impacts), "impact")
@@ -145,7 +152,11 @@ def _impact_in(recording: Recording, number: int, field: str) -> float:
 
 
 def _joint_force(recording: Recording, sensitivities: Sensitivities) -> RankedQuantity:
-    """Return the largest force in any joint during the run, with its derivatives."""
+    """Return the largest force in any joint during the run, with its derivatives.
+
+    Raises:
+        SceneError: when the run has no output ``peak_force`` of a joint.
+    """
     names = [name for name in sensitivities.columns if _is_joint_force(name)]
     if not names:
         prepared_scene = sensitivities.prepared_scene

@@ -86,7 +86,7 @@ class Ranking(PrintedResult):
     fill = OlderName("draw")
 
     def _lines_and_tables(self, *, in_notebook: bool) -> Iterator[str | TextTable]:  # noqa: ARG002
-        """Return tables of the effects, and remarks."""
+        """Return the lines, tables and remarks of ``parts``."""
         return self.parts()
 
     def share(self, effect: Effect) -> float:

@@ -265,9 +265,10 @@ class Result(PrintedResult, SceneRecording):
         return energy
 
     def row_of_other_run(self, values: Mapping[str, Any], time: float) -> Result | None:
-        """Return the row at a time [s] of a run with the same inputs and other values of parameters.
+        """Return a result with one row, at ``time`` [s], of a run with the same inputs and other ``values``.
 
-        The result is None if the run cannot be repeated, or took more than MOST_EVALUATIONS; if the scene
+        ``values`` is name of a parameter → value. The result has no impacts. It is None if the run cannot be
+        repeated, or took more than MOST_EVALUATIONS evaluations of the right-hand side; if the scene
         cannot have the values; or if the other run cannot start, or ends before ``time``.
         """
         if self.rerun is None or self.statistics["rhs_evaluations"] > MOST_EVALUATIONS:

@@ -20,7 +20,8 @@ def inputs_of(scene: SceneContents, *, are_asked: bool = True) -> Iterator[str]:
     """Yield the names of the inputs that the keys of [inputs] add to the scene, driven by signals or not.
 
     If ``are_asked`` is False, also yield the inputs that other keys of [inputs] than ``wall_motion`` would
-    add.
+    add. The inputs of the joints come first, one joint after the other; then come those of the slider, the
+    tip, the base and the walls.
     """
     templates = [
         name
@@ -89,6 +90,8 @@ def request_hint(scene: SceneContents, name: str) -> str:
 
 def with_inputs(scene: Any, file: Path, interpolation: str | None = None) -> Any:
     """Return the scene with one more signal: a table file whose columns drive the inputs of the same names.
+
+    The name of the signal is ``inputs`` or, if the scene has this, ``inputs_2`` and so on.
 
     Args:
         scene: the scene, which must have these inputs.

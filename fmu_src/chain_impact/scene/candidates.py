@@ -44,7 +44,10 @@ def part_texts(scene: SceneContents) -> list[str]:
 
 
 def stop_pairs(scene: SceneContents) -> list[tuple[int, int]]:
-    """Return the existing stops of joints as pairs: number of the joint, index in ``scene.wall_names``."""
+    """Return the existing stops of joints as pairs: number of the joint, index in ``scene.wall_names``.
+
+    One joint comes after the other, and of each joint first ``joint_min``.
+    """
     names = scene.wall_names
     return [(joint, names.index(stop)) for joint, stop in scene.chain.stops]
 
@@ -52,7 +55,8 @@ def stop_pairs(scene: SceneContents) -> list[tuple[int, int]]:
 def point_wall_pairs(scene: SceneContents) -> list[tuple[int, int]]:
     """Return the pairs of a point and an existing wall that can touch each other.
 
-    A pair has the number of the point and the index of the wall in ``scene.wall_names``.
+    A pair has the number of the point and the index of the wall in ``scene.wall_names``. All pairs of a point
+    come together, in the order of the walls; the points are in the order of ``scene.touching_points``.
     """
     numbers = {name: w for w, name in enumerate((*WALLS, *(wall.name for wall in scene.walls)))}
     pairs = product(scene.touching_points, scene.half_planes.items())

@@ -121,7 +121,8 @@ def error_at(path: DataPath, requirement: str, value: str = "") -> SceneError:
 def no_wall_error(path: DataPath, walls: Collection[str], value: str = "") -> SceneError:
     """Return the error on a key at ``path`` that names no existing wall; ``walls`` are the existing ones.
 
-    ``value`` are the first words of the sentence, such as "= 'roof' "; "" if the key itself is the name.
+    ``value`` are the first words of the sentence, such as "= 'roof' "; "" if the key itself is the name. If
+    there are no walls, the sentence has no such words.
     """
     if not walls:
         return refusal(path, "no_walls")
@@ -149,7 +150,7 @@ class UnknownNameError(SceneError, KeyError):
 
         Without a hint, the message ends with the most similar of ``names``; if none is similar, with names of
         the same owner, such as ``joint[2]``; if there are none, with ``otherwise``. If ``name`` is several of
-        ``names``, as "a b", the hint is how to separate these.
+        ``names``, as "a b" or "a; b", the hint is how to separate these, whatever ``hint`` is.
         """
         names, parts = list(names), re.split(r"[\s;]+", name) if isinstance(name, str) else []
         if len(parts) > 1 and {*parts} <= {*names}:

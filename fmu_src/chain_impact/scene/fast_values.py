@@ -14,6 +14,8 @@ from dataclasses import fields
 from typing import Any, TypeVar
 
 from chain_impact.scene.checks.checks import (
+    LIGHT_LINK,
+    LONG_LINK,
     angle_hints,
     base_hints,
     check_joint_angles,
@@ -91,8 +93,9 @@ def _with_number(
     """Return the scene with the value ``given_value`` at a path; ``metadata`` is the metadata of the key.
 
     The result is None if ``with_values`` must read the whole scene again: if the path is empty (``_numbers``
-    lacks the name) or leads nowhere; if the new value is not allowed; if the present value is derived; or if
-    values other than the derived inertia of a link must change or be checked, too.
+    lacks the name) or leads nowhere; if the new value is not allowed; if the present value is derived; if
+    values other than the derived inertia of a link must change or be checked, too; or if a link that is long
+    for its new mass may need a warning.
     """
     value = _value(given_value, metadata) if path else None
     if value is None or not keeps_rules(value, metadata):
@@ -155,8 +158,9 @@ def _matters_elsewhere(scene: AnyScene, path: DataPath, value: float) -> bool:
 def _with_link(scene: AnyScene, i: int, key: str, value: float) -> AnyScene | None:
     """Return the scene with another ``value`` of the ``key`` of the link with index ``i``.
 
-    If the key is ``mass``, a derived inertia follows. The result is None if the link does not exist, or if a
-    change of the mass or inertia would give an inertia that is not a finite number > 0.
+    If the key is ``mass``, a derived inertia follows. The result is None if the link does not exist, if the
+    link is long for a new mass (LONG_LINK, LIGHT_LINK), or if a change of the mass or inertia would give an
+    inertia that is not a finite number > 0.
     """
     links = scene.chain.links
     if i >= len(links):
@@ -168,6 +172,8 @@ def _with_link(scene: AnyScene, i: int, key: str, value: float) -> AnyScene | No
         link = _replace_fields(
             link, inertia=rule.value({key: getattr(link, key) for key in ("mass", "length", "height")})
         )
+    if key == "mass" and link.length > LONG_LINK and link.mass < LIGHT_LINK * link.length:
+        return None
     if key in ("mass", "inertia") and not 0.0 < link.inertia < math.inf:
         return None
     return _replace_fields(

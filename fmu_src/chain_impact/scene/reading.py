@@ -176,8 +176,9 @@ class Reader:
     def _unknown_key_error(self, table: Any, path: DataPath, name: Any) -> SceneError:
         """Return the error on an unknown key `name` of `table`, with the most similar key of `table`.
 
-        If none is similar, the error has the first key of another table that is equal or has one typo less;
-        without such a key, it lists the keys of `table`.
+        If none is similar, the error has the first key of any table (``_keys``) whose last part is equal to
+        `name` or, if there is none, differs from it by one typo; without such a key, it lists the keys of
+        `table`.
         """
         key_path, name = (*path, name), value_text(name).strip("'")
         known_keys = [entry.name for entry in key_fields(table)]

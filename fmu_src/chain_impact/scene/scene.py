@@ -145,7 +145,10 @@ def scene_of(source: SceneSource) -> Scene:
 
 
 def parse_scene(text: str, source: str) -> Scene:
-    """Return the scene of a TOML `text`; for `source`, see ``scene_from_dict``."""
+    """Return the scene of a TOML `text`; for `source` and warnings, see ``scene_from_dict``.
+
+    Raises SceneError when the text is not valid TOML or not a valid scene.
+    """
     try:
         data = tomllib.loads(text.removeprefix("\ufeff"))
     except (ValueError, RecursionError) as error:  # ValueError: wrong TOML, or too many digits
@@ -158,7 +161,11 @@ def parse_scene(text: str, source: str) -> Scene:
 
 
 def scene_from_dict(data: Mapping[str, Any], source: str) -> Scene:
-    """Return the checked scene; errors name the file `source`, in whose folder relative paths begin."""
+    """Return the checked scene; errors name the file `source`, in whose folder relative paths begin.
+
+    Probable mistakes in the scene give a SceneWarning each. Raises SceneError when the data are not a valid
+    scene.
+    """
     scene = _validated_scene(data, source, in_file=True)
     warn(source, checks.hints(scene))
     return scene

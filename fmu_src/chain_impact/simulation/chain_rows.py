@@ -15,12 +15,12 @@ from chain_impact.variables.prepared import PreparedScene
 
 
 class ChainRows:
-    """The rows of a chain since its start.
+    """The rows of a chain since its start, or since a restored state that had no row.
 
     Attributes:
         times: the times of the rows [s], increasing.
         numbers: the rows, each with W numbers: outputs and inputs.
-        marks: for each row a check sum of the solver's state.
+        marks: for each row a check sum of the state at the end of the solver's step.
         spans: the indices of a row's numbers in the record, see ``spans_of``.
     """
 
@@ -92,7 +92,7 @@ class ChainRows:
             prepared_scene: the scene, with the present values of its parameters.
             impacts: the impacts of the run; those that end before the first row are left out.
             phases: the phases of dry friction of the run; those that end before the first row are left out.
-            statistics: the solver's counts.
+            statistics: the solver's counts and its status.
         """
         indices, numbers = self._indices, np.array(self.numbers)
         width, count = indices.row.itemsize // WORD, len(indices.words)

@@ -255,6 +255,6 @@ class Instance:
 
     @property
     def statistics(self) -> dict[str, int]:
-        """The solver's counts, by name."""
+        """Name → number: the solver's counts and its status."""
         counts = self.record["statistics"]
         return dict(zip(counts.dtype.names, counts.item(), strict=True))

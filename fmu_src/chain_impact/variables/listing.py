@@ -88,7 +88,7 @@ def outputs_of(structure: Structure) -> dict[str, Variable]:
     """Return name → output for all outputs of scenes with this structure, without derivatives.
 
     The results for the KEPT_STRUCTURES structures used last are cached, because to make one takes as long as
-    a short simulation.
+    a short simulation. All callers share such a dict, so nothing may change it.
     """
     variables = (Variable.from_kind(*arguments) for arguments in _owned_kinds(OUTPUTS, structure))
     return {variable.name: variable for variable in (*_signal_outputs(structure), *variables)}

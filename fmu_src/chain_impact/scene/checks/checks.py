@@ -114,7 +114,7 @@ def check_start(scene: SceneContents) -> None:
 
 
 def _position(x: float, y: float) -> str:
-    """Return the text "(x, y) m" of a position [m]; one up to ±ALLOWED_OVERLAP is written as 0."""
+    """Return the text "(x, y) m" of a position [m]; a coordinate up to ±ALLOWED_OVERLAP is written as 0."""
     x, y = (0.0 if abs(coordinate) <= ALLOWED_OVERLAP else coordinate for coordinate in (x, y))
     return f"({x:.6g}, {y:.6g}) m"
 

@@ -157,7 +157,7 @@ class Rail:
 
     @property
     def direction(self) -> np.ndarray:
-        """The unit vector along the rail, in the direction in which the slider's position grows."""
+        """The unit vector along the rail in which the slider's position grows, shape (2,)."""
         return np.array([math.cos(self.angle), math.sin(self.angle)])
 
     @property

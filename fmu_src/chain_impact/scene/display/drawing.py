@@ -22,7 +22,10 @@ POINT_RADIUS = 0.02  # the radius of points
 
 
 def svg(scene: SceneContents, values: Mapping[str, Any]) -> str:
-    """Return the text of an SVG element: the chain and near walls at the start, in the page's text colour.
+    """Return the text of an SVG element: a scene at its start, in the page's text colour.
+
+    The drawing shows the chain, the outlines of links that have additional points, the rail and the carriage
+    of a slider, and the near walls.
 
     ``values``: name of a value of the scene → value (``Scene.values``).
     """
