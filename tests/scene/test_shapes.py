@@ -74,6 +74,18 @@ def test_a_corner_is_no_parameter():
     assert brick(**{"link[1].point[5].x": 0.1}).chain.links[0].points[4].x == 0.1
 
 
+def test_an_index_below_0_counts_from_the_end():
+    link, points = ("chain", "links", -1), ("chain", "links", -1, "points")
+    assert brick().with_values({(*points, -1, "x"): 0.1}) == brick(**{"link[1].point[5].x": 0.1})
+    assert brick().with_values({(*link, "mass"): 3.0}) == brick(**{"link[1].mass": 3.0})
+    for index in (-2, -5):
+        with pytest.raises(SceneError, match=rf"link\[1\]\.point\[{6 + index}\] is a corner of a box"):
+            brick().with_values({(*points, index): {"x": 0.1}})
+    for path in ((*points, -6, "x"), ("chain", "links", -2, "points", 0, "x")):
+        with pytest.raises(SceneError, match="is not a path to a value of the scene"):
+            brick().with_values({path: 0.1})
+
+
 def test_a_sweep_moves_the_corners_as_a_changed_scene_does():
     heights = [0.1, 0.15]
     found = sweep(brick(), {"link[1].height": heights}, outputs=["link[1].angle", "point[5].y"])

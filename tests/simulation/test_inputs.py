@@ -168,7 +168,7 @@ def test_given_inputs_are_columns_of_the_result(interpolation, tmp_path):
 
 @pytest.mark.parametrize("interpolation", ["hold", "linear", "spline"])
 def test_two_rows_of_equal_time_are_a_jump(interpolation, tmp_path):
-    """A sine that ends at 0.2037 s is the same as samples, as a table of a signal and as a function."""
+    """A torque that jumps at 0.2037 s gives the exact motion, as samples and as the table of a signal."""
     times = np.append(np.linspace(0.0, 0.2037, 22), [0.2037, 0.4])
     values = np.append(3.0 * np.sin(20.0 * times[:22]), [0.5, 0.5])
     file = tmp_path / "torque.csv"

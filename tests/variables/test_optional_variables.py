@@ -34,7 +34,7 @@ def test_a_scene_with_stops_has_their_variables():
     assert tunable == {"stop.stiffness", "stop.restitution"}
     assert found["stop.stiffness"].record_path == ("given", "stop_stiffness")
     assert found["stop.exponent"].record_path == ("stops", "exponent")
-    # the first candidate of each joint follows the 20 pairs of points and walls
+    # behind the 20 pairs of points and walls come two stops of joint 2 and one of joint 4
     assert found["joint[2].stop_moment"].record_path == ("output", "force", 20)
     assert found["joint[4].stop_penetration"].record_path == ("output", "penetration", 22)
     assert found["joint[4].stop_impulse"].record_path == ("output", "impulse", 22)

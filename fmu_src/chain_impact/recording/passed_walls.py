@@ -23,6 +23,9 @@ def points_through_walls(
 ) -> list[str]:
     """Return a sentence for each wall that points pass through without touching it.
 
+    A point passes through a wall if it is, on both sides of the wall, at some time farther from the wall than
+    LEAST_PASSAGE × ``size_of_motion``.
+
     Args:
         positions: positions of the points, shape (T, P, 2) [m].
         walls: number of a wall → its name, its free side, and its displacement along the normal, shape (T,)

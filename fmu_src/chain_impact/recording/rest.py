@@ -43,7 +43,7 @@ def rest_spans(recording: Recording) -> list[tuple[float, float]]:
 
     Both speeds and mean accelerations must be small. So a chain that only turns back, as a pendulum at its
     highest position, is not at rest. A rest shorter than SHORTEST_REST × the run is left out. There is none
-    if the positions of points are unknown.
+    if the positions of points are unknown, or with less than FEWEST_REST_ROWS rows.
     """
     if not recording.knows_points:
         return []

@@ -307,8 +307,11 @@ def meant_number(value: Any, unit: str) -> str:
 
 
 def decimal_comma(value: Any) -> str:
-    """Return a hint for a text that begins with a decimal comma, as "0,5 m"; "" for any other value."""
-    match = re.match(r"\s*([+-]?\d+),(\d+)", value) if isinstance(value, str) else None
+    """Return a hint for a text that begins with a decimal comma, as "0,5 m"; "" for any other value.
+
+    Text with a second comma behind the digits, as "1,2,3", is a list of values.
+    """
+    match = re.match(r"\s*([+-]?\d+),(\d+)(?![\d,])", value) if isinstance(value, str) else None
     return f"; a number has a decimal point: {match[1]}.{match[2]}" if match else ""
 
 

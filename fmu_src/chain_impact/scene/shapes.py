@@ -72,11 +72,18 @@ def scene_point_path(path: DataPath, data: Any) -> DataPath:
 
 
 def refuse_corner(scene: SceneContents, path: DataPath) -> None:
-    """Refuse a path in the scene that leads to a corner of a box, because no corner can be changed alone."""
+    """Refuse a path in the scene that leads to a corner of a box, because no corner can be changed alone.
+
+    As in Python, an index below 0 counts from the end of a list.
+    """
     links = scene.chain.links
     match path:
-        case "chain", "links", int(i), "points", int(j), *_ if i < len(links) and j < links[i].corners:
-            link_name, remedy = f"link[{i + 1}]", "to move it alone, give points in place of the shape"
-            sizes_text = f"{link_name}.length and {link_name}.height"
-            reason = f"is a corner of a box, which follows from {sizes_text}: {remedy}"
-            raise SceneError(f"{scene.name}: {link_name}.point[{j + 1}] {reason}")
+        case "chain", "links", int(i), "points", int(j), *_ if -len(links) <= i < len(links):
+            link = links[i]
+            k = j + len(link.points) if j < 0 else j
+            if 0 <= k < link.corners:
+                link_name = f"link[{i % len(links) + 1}]"
+                sizes_text = f"{link_name}.length and {link_name}.height"
+                remedy = "to move it alone, give points in place of the shape"
+                reason = f"is a corner of a box, which follows from {sizes_text}: {remedy}"
+                raise SceneError(f"{scene.name}: {link_name}.point[{k + 1}] {reason}")

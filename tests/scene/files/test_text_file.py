@@ -115,6 +115,7 @@ def test_a_decimal_comma_in_a_value_is_pointed_at(text):
     [
         ("contact.restitution", "0.1:0.9:9", "; one run has one value: `sweep --vary` takes several"),
         ("contact.restitution", "0.1, 0.5", "; one run has one value: `sweep --vary` takes several"),
+        ("contact.restitution", "1,22,3", "; one run has one value: `sweep --vary` takes several"),
         ("contact.stiffness", "10^7", "; write 1e7"),
         ("initial.position", "0.1,-2", "; write [0.1,-2]"),
         ("initial.position", "here", "(position of the base)"),
