@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from itertools import chain, groupby, starmap
+from operator import itemgetter
 from pathlib import Path
+from textwrap import wrap
 
 from chain_impact.compilation.compilers import INTERFACE
 from chain_impact.compilation.signatures import declarations
@@ -16,6 +19,8 @@ from chain_impact.kernel.status import ONSET_DUE, PAUSED
 FILE: Path = INTERFACE / "common" / "shared.h"
 C_TYPES = {"d": "double", "q": "int64_t", "Q": "uint64_t", "i": "int32_t"}
 """Format of a number in Python's struct → C's type."""
+LINE_LENGTH = 110
+"""Largest number of characters in a line of a structure."""
 
 
 def header() -> str:
@@ -31,8 +36,8 @@ def header() -> str:
         _structure("Table", HEAD_FORMATS),
         "/* kernel/record/counts.py: the counts and flags at the start of a record, then the number of "
         "tangent instances */\n"
-        f"enum {{ COUNTS = {len(COUNTS)}, FEATURES = {len(FEATURES)}, SIZES = COUNTS + FEATURES + 1 }};\n"
-        f"enum {{ LARGEST_COUNT = {LARGEST_COUNT} }};",
+        f"enum {{ COUNTS = {len(COUNTS)}, FEATURES = {len(FEATURES)}, "
+        f"SIZES = COUNTS + FEATURES + 1, LARGEST_COUNT = {LARGEST_COUNT} }};",
         "/* kernel/status.py: statuses of the kernel that are no faults */\n"
         f"enum {{ PAUSED = {PAUSED}, ONSET_DUE = {ONSET_DUE} }};",
         "/* kernel/chain/inputs.py: the value of given.pending with which the solver re-initializes */\n"
@@ -49,14 +54,24 @@ def _indices(names: Sequence[str]) -> str:
 
 
 def _structure(name: str, formats: Mapping[str, str]) -> str:
-    fields = "".join(f"    {_field(*field)};\n" for field in formats.items())
-    return f"typedef struct {{\n{fields}}} {name};"
+    """Return a structure of C; each line has neighbouring fields of the same type."""
+    fields = (
+        wrap(
+            f"{kind} {', '.join(text for _, text in group)};",
+            LINE_LENGTH,
+            initial_indent=" " * 4,
+            subsequent_indent=" " * 8,
+        )
+        for kind, group in groupby(starmap(_field, formats.items()), key=itemgetter(0))
+    )
+    return "\n".join(["typedef struct {", *chain.from_iterable(fields), f"}} {name};"])
 
 
-def _field(name: str, kind: str) -> str:
+def _field(name: str, kind: str) -> tuple[str, str]:
+    """Return the C type of a field, and its name with the number of characters of a text."""
     if text := re.fullmatch(r"(\d+)s", kind):
-        return f"char {name}[{text[1]}]"
-    return f"{C_TYPES[kind]} {name}"
+        return "char", f"{name}[{text[1]}]"
+    return C_TYPES[kind], name
 
 
 if __name__ == "__main__":

@@ -27,10 +27,8 @@ typedef struct Instance Instance;
 
 /* The differences between FMI 2.0 and FMI 3.0, for the code that both share. */
 typedef struct {
-    /* the names of some arguments of calls in this version of FMI, for messages */
-    const char *token, *resources, *references, *values, *state;
-    /* the names of the types REAL and INTEGER (shared.h) in this version of FMI, for messages */
-    const char *types[2];
+    /* names in this version of FMI, for messages: of some arguments, and of the types REAL and INTEGER (shared.h) */
+    const char *token, *resources, *references, *values, *state, *types[2];
     /* the characters that must be doubled in a message for the importer's logger, such as "%#" */
     const char *escaped;
     /* 1: the importer gives the folder of the resources as a URI; 0: as a path */

@@ -6,9 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-/* the compiler must not move arithmetic across the calls of usual_registers and put_registers_back */
-#pragma STDC FENV_ACCESS ON
-
 /* [1] largest allowed difference between the time that the importer gives for a step and the instance's time, divided
    by the size of the step. It is above 0, because importers may round their time to 1 us. With a much larger value, a
    call after a skipped or repeated step would be accepted. */
@@ -27,13 +24,13 @@ static void back_to_the_start(Instance *instance) {
     instance->stop_time = INFINITY;
 }
 
-/* Return an instance with its name and its record in one block of memory; NULL if there is not enough memory. The
-   record comes last in the block, so that a sanitizer notices when the kernel reads or writes beyond it. */
-static Instance *allocated(const Instance *draft) {
+/* Return an instance with its name and its record in one block of memory; if there is not enough memory, log it and
+   return NULL. The record comes last, so that a sanitizer notices when the kernel reads or writes beyond it. */
+static Instance *allocated(const Instance *draft, const char *call) {
     size_t record = (size_t)draft->table->record_size, name = strlen(draft->name) + 1;
     size_t words = (name + sizeof(Word) - 1) / sizeof(Word);
     Instance *instance = draft->allocate(1, sizeof *instance + words * sizeof(Word) + record);
-    if (!instance) return NULL;
+    if (!instance) return say(draft, ERROR, "%s: no memory for an instance", call), NULL;
     *instance = *draft;
     instance->name = memcpy(instance + 1, draft->name, name);
     instance->record = (Word *)(instance + 1) + words;
@@ -42,6 +39,7 @@ static Instance *allocated(const Instance *draft) {
     return instance;
 }
 
+/* Return whether the name has a letter that is not white space; if not, log an error. A null name becomes "". */
 static int is_named(Instance *draft, const char *call) {
     draft->name = draft->name ? draft->name : "";
     int named = draft->name[strspn(draft->name, " \t\r\n\v\f")] != '\0';
@@ -61,20 +59,18 @@ Instance *new_instance(Instance draft, const char *call, const char *token, cons
     Instance *instance = NULL;
     if (strcmp(token, draft.table->guid) != 0)
         say(&draft, ERROR, "%s: %s %s differs from that of this FMU, %s", call, names->token, token, draft.table->guid);
-    else if (!(instance = allocated(&draft)))
-        say(&draft, ERROR, "%s: no memory for an instance", call);
+    else
+        instance = allocated(&draft, call);
     if (!instance) draft.release((void *)draft.table);
     return instance;
 }
 
 Instance *another_instance(const Instance *first, const char *call, const char *name) {
-    Instance draft = *first, *instance = NULL;
+    Instance draft = *first;
     draft.phase = INSTANTIATED;
     draft.name = name;
     draft.shares_table = 1;
-    if (is_named(&draft, call) && !(instance = allocated(&draft)))
-        say(&draft, ERROR, "%s: no memory for an instance", call);
-    return instance;
+    return is_named(&draft, call) ? allocated(&draft, call) : NULL;
 }
 
 void free_instance(Instance *instance) {
@@ -194,8 +190,7 @@ int do_step(Instance *instance, const char *call, double now, double size, int *
     int is_step = size > 0.0 && size < INFINITY, is_now = fabs(now - instance->time) <= slack;
     int ends_in_time = time <= instance->stop_time + slack;
     put_registers_back(registers);
-    if (!is_step)
-        return say(instance, ERROR, "%s: the step size %s s is not > 0", call, number(size).text);
+    if (!is_step) return say(instance, ERROR, "%s: the step size %s s is not > 0", call, number(size).text);
     if (!is_now)
         return say(instance, ERROR, "%s: the time %s s is not the present %s s", call, number(now).text,
                    number(instance->time).text);

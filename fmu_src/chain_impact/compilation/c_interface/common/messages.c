@@ -7,9 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* the compiler must not move arithmetic across the calls of usual_registers and put_registers_back */
-#pragma STDC FENV_ACCESS ON
-
 /* [bytes] LONGEST: size of a message with its final 0, before characters are doubled; a longer message is cut */
 enum { LONGEST = 2000 };
 

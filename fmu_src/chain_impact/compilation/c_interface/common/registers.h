@@ -10,4 +10,7 @@
 uint64_t usual_registers(void);
 void put_registers_back(uint64_t registers);
 
+/* In each file that includes this one, the compiler must not move arithmetic across the calls of these functions. */
+#pragma STDC FENV_ACCESS ON
+
 #endif

@@ -13,45 +13,22 @@ enum { FIXED, TUNABLE, INPUT, OUTPUT, INDEPENDENT };
 #define TABLE_MAGIC "chaintab"
 
 typedef struct {
-    double low;
-    double high;
-    int64_t word;
-    int64_t set_word;
-    int64_t length;
-    int32_t type;
-    int32_t role;
-    int32_t name;
-    int32_t allowed;
+    double low, high;
+    int64_t word, set_word, length;
+    int32_t type, role, name, allowed;
 } Variable;
 
 typedef struct {
     char magic[8];
-    uint64_t size;
-    uint64_t checksum;
+    uint64_t size, checksum;
     char guid[40];
-    int64_t variable_count;
-    int64_t status_count;
-    int64_t part_count;
-    int64_t time_word;
-    int64_t changed_word;
-    int64_t tolerance_word;
-    int64_t part_word;
-    int64_t contradiction_word;
-    int64_t distance_word;
-    int64_t duration_word;
-    int64_t velocity_word;
-    int64_t position_word;
-    int64_t variables_at;
-    int64_t statuses_at;
-    int64_t parts_at;
-    int64_t texts_at;
-    int64_t record_at;
-    int64_t record_size;
+    int64_t variable_count, status_count, part_count, time_word, changed_word, tolerance_word, part_word,
+        contradiction_word, distance_word, duration_word, velocity_word, position_word, variables_at,
+        statuses_at, parts_at, texts_at, record_at, record_size;
 } Table;
 
 /* kernel/record/counts.py: the counts and flags at the start of a record, then the number of tangent instances */
-enum { COUNTS = 8, FEATURES = 2, SIZES = COUNTS + FEATURES + 1 };
-enum { LARGEST_COUNT = 1048575 };
+enum { COUNTS = 8, FEATURES = 2, SIZES = COUNTS + FEATURES + 1, LARGEST_COUNT = 1048575 };
 
 /* kernel/status.py: statuses of the kernel that are no faults */
 enum { PAUSED = -2, ONSET_DUE = -3 };

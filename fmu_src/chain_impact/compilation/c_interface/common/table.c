@@ -101,12 +101,10 @@ const Table *read_table(const Instance *draft, const char *resources, const char
         *reason = "needs more memory than there is";
     if (table) {
         *table = head;
-        if (!read_all(file, table + 1, head.size - sizeof head) ||
-            head.checksum != checksum((char *)table + begin, head.size - begin)) {
-            draft->release(table);
-            table = NULL;
-        } else if (!is_whole(table)) {
-            *reason = "has a file model.bin that is not for this binary, or damaged";
+        int is_read = read_all(file, table + 1, head.size - sizeof head) &&
+                      head.checksum == checksum((char *)table + begin, head.size - begin);
+        if (is_read) *reason = "has a file model.bin that is not for this binary, or damaged";
+        if (!is_read || !is_whole(table)) {
             draft->release(table);
             table = NULL;
         }

@@ -6,9 +6,6 @@
 #include <limits.h>
 #include <string.h>
 
-/* the compiler must not move arithmetic across the calls of usual_registers and put_registers_back */
-#pragma STDC FENV_ACCESS ON
-
 enum { BEFORE = IN(INSTANTIATED) | IN(INITIALIZING), AT_ANY_TIME = BEFORE | IN(STEPPING) | IN(EVENT) };
 static const unsigned SETTABLE[] = {
     [FIXED] = BEFORE, [TUNABLE] = AT_ANY_TIME, [INPUT] = AT_ANY_TIME, [OUTPUT] = 0, [INDEPENDENT] = 0,
@@ -69,6 +66,12 @@ static int fits(const Instance *instance, const char *call, ArrayType array, con
     return wanted == length;
 }
 
+/* Return whether the call is allowed and has the arrays of references and values; if not, log an error. */
+static int has_arrays(const Instance *instance, const char *call, const uint32_t vr[], const void *values) {
+    return allowed(instance, call, ANY_PHASE) && given(instance, call, instance->interface->references, vr) &&
+           given(instance, call, instance->interface->values, values);
+}
+
 static void store(Word word, ArrayType array, void *values, size_t i) {
     if (array == FLOAT64S)
         ((double *)values)[i] = word.real;
@@ -80,11 +83,8 @@ static void store(Word word, ArrayType array, void *values, size_t i) {
 
 int get(Instance *instance, const char *call, ArrayType array, const uint32_t vr[], size_t count, void *values,
         size_t length) {
-    if (!allowed(instance, call, ANY_PHASE)) return ERROR;
-    if (count == 0 && length == 0) return OK;
-    const Interface *interface = instance->interface;
-    if (!given(instance, call, interface->references, vr) || !given(instance, call, interface->values, values))
-        return ERROR;
+    if (instance && count == 0 && length == 0) return OK;
+    if (!has_arrays(instance, call, vr, values)) return ERROR;
     for (size_t i = 0; i < count; i++)
         if (!variable(instance, vr[i], array))
             return say(instance, ERROR, "%s: the value reference %u is no %s's", call, vr[i],
@@ -128,11 +128,8 @@ static int check(const Instance *instance, const char *call, ArrayType array, ui
 /* Set each of `count` variables to one value; if one value is refused, set none. */
 int set(Instance *instance, const char *call, ArrayType array, const uint32_t vr[], size_t count, const void *values,
         size_t length) {
-    if (!allowed(instance, call, ANY_PHASE)) return ERROR;
-    if (count == 0 && length == 0) return OK;
-    const Interface *interface = instance->interface;
-    if (!given(instance, call, interface->references, vr) || !given(instance, call, interface->values, values))
-        return ERROR;
+    if (instance && count == 0 && length == 0) return OK;
+    if (!has_arrays(instance, call, vr, values)) return ERROR;
     if (length != count)
         return say(instance, ERROR, "%s: %zu variables need one value each, but %zu values are given", call, count,
                    length);

@@ -6,8 +6,7 @@
 /* Return the largest allowed number at index `i` at the start of a record: first counts, for which the kernel is
    compiled up to LARGEST_COUNT, then flags, which are 0 or 1; the last number counts tangent instances. */
 static int64_t largest_size(int i) {
-    if (i < COUNTS) return LARGEST_COUNT;
-    return i < COUNTS + FEATURES ? 1 : 1 << 16;
+    return i < COUNTS ? LARGEST_COUNT : i < COUNTS + FEATURES ? 1 : 1 << 16;
 }
 
 /* Return whether `count` items of `size` bytes each, from `offset` on, lie inside the file, after the head of the file,
@@ -63,13 +62,12 @@ int is_whole(const Table *table) {
         !lies_in(table, table->parts_at, table->part_count, sizeof(int64_t)) ||
         !lies_in(table, table->record_at, table->record_size, 1))
         return 0;
-    if (!is_word(table, table->time_word) || !is_word(table, table->changed_word) ||
-        !is_word(table, table->tolerance_word) || !is_word(table, table->part_word))
-        return 0;
-    if (table->contradiction_word != 0 &&
-        (!is_word(table, table->contradiction_word) || !is_word(table, table->distance_word) ||
-         !is_word(table, table->duration_word) || !is_word(table, table->velocity_word)))
-        return 0;
+    const int64_t words[] = {table->time_word, table->changed_word, table->tolerance_word, table->part_word,
+                             table->contradiction_word, table->distance_word, table->duration_word,
+                             table->velocity_word};
+    /* the last four words are those of prescribed motions: a scene without these has none */
+    for (int i = 0; i < (table->contradiction_word != 0 ? 8 : 4); i++)
+        if (!is_word(table, words[i])) return 0;
     const Variable *variables = in_table(table, table->variables_at);
     for (int64_t i = 0; i < table->variable_count; i++)
         if (!is_variable(table, variables + i)) return 0;

@@ -107,16 +107,10 @@ FUNCTION(fmi2DeSerializeFMUstate, deserialize(c, __func__, bytes, size, handle),
 
 /* --- steps and their status: sections 4.2.2 and 4.2.3 of FMI 2.0 --- */
 
-FMI2_Export fmi2Status fmi2DoStep(fmi2Component c, fmi2Real now, fmi2Real size, fmi2Boolean never_back) {
-    (void)never_back;
-    int onset_due;
-    return (fmi2Status)do_step(c, __func__, now, size, &onset_due);
-}
-
-FMI2_Export fmi2Status fmi2CancelStep(fmi2Component c) {
-    static const char TEXT[] = "fmi2CancelStep: no step is in progress";
-    return c ? (fmi2Status)say(c, ERROR, TEXT) : fmi2Error;
-}
+/* fmi2DoStep does not tell the importer whether a step ends at an onset, the last result of do_step. */
+FUNCTION(fmi2DoStep, ((void)never_back, do_step(c, __func__, now, size, &(int){0})), fmi2Component c, fmi2Real now,
+         fmi2Real size, fmi2Boolean never_back)
+FUNCTION(fmi2CancelStep, c ? say(c, ERROR, "%s: no step is in progress", __func__) : ERROR, fmi2Component c)
 
 /* Define the function NAME for a status of the last step: for the kind KIND it writes `found` to *value and returns
    fmi2OK; for any other kind it returns fmi2Discard. */

@@ -5,8 +5,7 @@
 
 #include <stddef.h>
 
-/* This form is used on Windows, too: with __declspec(dllexport) the library would not export the kernel's own
-   functions. */
+/* The same on Windows: with __declspec(dllexport) the library would not export the kernel's own functions. */
 #define FMI2_Export __attribute__((visibility("default")))
 #define fmi2TypesPlatform "default"
 #define fmi2Version "2.0"

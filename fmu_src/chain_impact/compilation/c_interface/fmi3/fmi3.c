@@ -5,11 +5,7 @@
 #include <fmi3Functions.h>
 #include <stdlib.h>
 
-/* the compiler must not move arithmetic across the calls of usual_registers and put_registers_back */
-#pragma STDC FENV_ACCESS ON
-
-/* Define the function `name` of the standard: it evaluates `made`, mostly a call of a shared function, and returns the
-   status. */
+/* Define a function of the standard: it evaluates `made`, mostly a call of a shared function; returns the status. */
 #define FUNCTION(name, made, ...) \
     FMI3_Export fmi3Status name(__VA_ARGS__) { return (fmi3Status)(made); }
 
@@ -52,8 +48,7 @@ FMI3_Export fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String
     return instance;
 }
 
-/* Define a function of the standard for a kind of instance that this FMU does not have: it logs an error and returns
-   NULL. */
+/* Define a function that would make an instance of a kind that this FMU lacks: it logs an error and returns NULL. */
 #define NO_INSTANCE(function, ...)                                                                            \
     FMI3_Export fmi3Instance function(fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible, \
                                       fmi3Boolean logging, fmi3InstanceEnvironment environment, __VA_ARGS__) { \
@@ -94,16 +89,9 @@ ACCESS(fmi3SetInt64, set, const fmi3Int64, INT64S)
 #define NO_TYPE(type)                                                                    \
     NO_VARIABLES(fmi3Get##type, fmi3##type values[], size_t length)                      \
     NO_VARIABLES(fmi3Set##type, const fmi3##type values[], size_t length)
-NO_TYPE(Float32)
-NO_TYPE(Int8)
-NO_TYPE(UInt8)
-NO_TYPE(Int16)
-NO_TYPE(UInt16)
-NO_TYPE(Int32)
-NO_TYPE(UInt32)
-NO_TYPE(UInt64)
-NO_TYPE(Boolean)
-NO_TYPE(String)
+NO_TYPE(Int8) NO_TYPE(Int16) NO_TYPE(Int32)
+NO_TYPE(UInt8) NO_TYPE(UInt16) NO_TYPE(UInt32) NO_TYPE(UInt64)
+NO_TYPE(Float32) NO_TYPE(Boolean) NO_TYPE(String)
 NO_VARIABLES(fmi3GetBinary, size_t sizes[], fmi3Binary values[], size_t length)
 NO_VARIABLES(fmi3SetBinary, const size_t sizes[], const fmi3Binary values[], size_t length)
 NO_VARIABLES(fmi3GetClock, fmi3Clock values[])
@@ -174,19 +162,18 @@ FMI3_Export fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *aga
                                                 fmi3Boolean *next_known, fmi3Float64 *next_time) {
     static const char *const NAMES[] = {"discreteStatesNeedUpdate", "terminateSimulation",
                                         "nominalsOfContinuousStatesChanged", "valuesOfContinuousStatesChanged",
-                                        "nextEventTimeDefined"};
-    fmi3Boolean *const flags[] = {again, terminated, nominals_changed, states_changed, next_known};
+                                        "nextEventTimeDefined", "nextEventTime"};
+    void *const results[] = {again, terminated, nominals_changed, states_changed, next_known, next_time};
     Instance *instance = c;
     if (!allowed(instance, __func__, IN(EVENT))) return fmi3Error;
-    for (int i = 0; i < 5; i++)
-        if (!given(instance, __func__, NAMES[i], flags[i])) return fmi3Error;
-    if (!given(instance, __func__, "nextEventTime", next_time)) return fmi3Error;
+    for (int i = 0; i < 6; i++)
+        if (!given(instance, __func__, NAMES[i], results[i])) return fmi3Error;
     instance->observed = NULL;
     int fault = event_update(instance->record);
     if (fault) return (fmi3Status)fail(instance, ERROR, fault);
     /* No flag is true: one update suffices, the FMU does not end the simulation, it shows the importer no continuous
-     * states, and the time of the next event is not known in advance. */
-    for (int i = 0; i < 5; i++) *flags[i] = fmi3False;
+       states, and the time of the next event is not known in advance. */
+    *again = *terminated = *nominals_changed = *states_changed = *next_known = fmi3False;
     *next_time = instance->time;
     return fmi3OK;
 }
