@@ -254,24 +254,27 @@ def clearance_acceleration(d, c):
     return acceleration
 
 
+def may_have_belt(d, e):
+    """Return whether e is a candidate in a scene with prescribed motions; else no belt moves under e."""
+    return d.channel_count > 0 and e < d.candidate_count
+
+
 def tangential_position(d, e):
     """Return the coordinate [m] of element e along t, at a wall relative to the belt, at located points."""
     coordinate = dot(tangent_row(d, e), d.scratch.position)
-    return (
-        coordinate - d.wall_motion.travel[e] if d.channel_count > 0 and e < d.candidate_count else coordinate
-    )
+    return coordinate - d.wall_motion.travel[e] if may_have_belt(d, e) else coordinate
 
 
 def tangential_rate(d, e):
     """Return the speed [m/s] of element e along t, at a wall relative to the belt, at located points."""
     speed = dot(tangent_row(d, e), d.scratch.velocity)
-    return speed - d.wall_motion.belt_velocity[e] if d.channel_count > 0 and e < d.candidate_count else speed
+    return speed - d.wall_motion.belt_velocity[e] if may_have_belt(d, e) else speed
 
 
 def tangential_acceleration(d, e):
     """Return the acceleration [m/s²] of e along t, at a wall relative to the belt, at accelerated points."""
     a = dot(tangent_row(d, e), d.scratch.acceleration)
-    return a - d.wall_motion.belt_acceleration[e] if d.channel_count > 0 and e < d.candidate_count else a
+    return a - d.wall_motion.belt_acceleration[e] if may_have_belt(d, e) else a
 
 
 def constraint_acceleration(d, k):

@@ -72,9 +72,8 @@ SOLVED_RESIDUAL = 1e-15  # largest residual that needs no more iterations, relat
 # ``reduce_free_impulses`` hardly changes the element's impulse. With a much smaller limit, round-off times
 # the impedance D would be taken from impulses, and a chain at rest would change its energy.
 RESIDUAL_ROUND_OFF = 1e-13
-UNDERFLOW_RESIDUAL = (
-    1e-100  # [m, m/s or m/s²] the largest residual that counts as 0: its square may underflow
-)
+# [m, m/s or m/s²] the largest residual that counts as 0: its square may underflow
+UNDERFLOW_RESIDUAL = 1e-100
 # If no rigid wall holds a point, motions that can hardly be constrained, and are well below NEGLIGIBLE_MOTION
 # × tolerance² × the largest motion, get hardly any impulses, because impulses would end the sticking again
 # and again.
@@ -105,22 +104,20 @@ def set_impedance(d, amount):
 
 def scale_sticking_impedances(d):
     """Multiply sticking elements' impedances by max(LEAST_STICKING_IMPEDANCE, limit/largest limit) each."""
-    friction, first, largest_limit = d.friction, d.contacts.active_count, 0.0
-    for i in range(friction.stuck_count):
-        largest_limit = max(
-            largest_limit, d.friction_element.friction_limit[d.friction_element.stuck_index[i]]
-        )
-    for i in range(friction.stuck_count):
-        ratio = (
-            d.friction_element.friction_limit[d.friction_element.stuck_index[i]] / largest_limit
-            if largest_limit > 0.0
-            else 1.0
-        )
+    elements, first, largest_limit = d.friction_element, d.contacts.active_count, 0.0
+    for i in range(d.friction.stuck_count):
+        largest_limit = max(largest_limit, elements.friction_limit[elements.stuck_index[i]])
+    for i in range(d.friction.stuck_count):
+        limit = elements.friction_limit[elements.stuck_index[i]]
+        ratio = limit / largest_limit if largest_limit > 0.0 else 1.0
         d.constraints.impedance[first + i] *= max(LEAST_STICKING_IMPEDANCE, ratio)
 
 
 def set_single_solution_impedances(d):
-    """Set impedances: at sticking elements one solution has about the effect of STICKING_ITERATIONS."""
+    """Set the impedances of rigid walls and sticking elements for one solution in place of an iteration.
+
+    At a sticking element the solution has about the effect of STICKING_ITERATIONS iterations.
+    """
     for k in range(d.contacts.force_law_count, constraint_count(d)):
         times = SINGLE_SOLUTION_FACTOR if k >= d.contacts.active_count else 1.0
         d.constraints.impedance[k] = times * holding_impedance(d)
@@ -232,7 +229,12 @@ def single_active(d):
 
 
 def solve_single(d, single):
-    """Solve the linear problem of one constraint; return False if the mobility of a held point is too low."""
+    """Solve the problem of ``solve_equality`` in which only constraint ``single`` is in the active set.
+
+    Return True, with impulses, motions and ``change`` set. If the mobility of a held point is too low, the
+    result is False: ``change`` then has no meaning, and impulses and motions stay as they were. A sticking
+    element never gives False.
+    """
     constraints, motion = d.constraints, d.scratch.place_change
     clear_used_forces(d, d.scratch.applied_force)
     add_along_row(constraint_row(d, single), d.scratch.applied_force, 1.0)
