@@ -110,7 +110,7 @@ def advance(d, time, log_capacity, cost_limit):
 
 
 def log_is_full(d, capacity):
-    """Return whether ``capacity`` ended contacts wait or, if capacity < UNLIMITED, friction's log is full."""
+    """Return whether ``capacity`` ended contacts wait or, if it is < UNLIMITED, friction's log lacks room."""
     if d.contact_log.count - d.contact_log.collected >= capacity:
         return True
     return (
@@ -240,7 +240,7 @@ def apply_laws(d):
 
 
 def take_accepted_step(d):
-    """Take one accepted step, up to the first event in the step; return a status."""
+    """Apply the events that wait, then take one accepted step, up to its first event; return a status."""
     clear_outcome(d)
     status = check_base_at_walls(d) if d.channel_count > 0 else OK
     if d.signal_count > 0 and status == OK:
@@ -279,7 +279,7 @@ def shrink_until_accepted(d):
         try_to_event(d, h)
         next_size = h * min(growth, step_control.next_size_factor(d))
         if step_control.is_accepted(d):
-            # a first try that is shortened to end with a piece or segment does not reduce the proposed size
+            # a first try that is shorter because a piece or segment ends does not reduce the proposed size
             step_control.propose_size(d, max(next_size, size) if limit < size and growth > 1.0 else next_size)
             return OK
         count_rejected_step(d)
@@ -290,7 +290,7 @@ def shrink_until_accepted(d):
 
 
 def try_to_event(d, h):
-    """Try a step of size h [s] in its variable; an accepted step is the last step, up to its first event."""
+    """Try a step of size h [s] in its variable; an accepted step is the last step, cut at its first event."""
     clear_stage_notes(d)
     integrate_trial(d, h)
     if not step_control.is_accepted(d):
@@ -369,7 +369,7 @@ def begin_step(d):
 
 
 def apply_pending_events(d):
-    """Apply the events at the end of the last step, and set the rate at the start of the next step.
+    """Update the peaks, apply the events at the last step's end, and set the rate at the next step's start.
 
     Return the number of events, and whether a kink of a force or the limit of a drive is among them.
     """

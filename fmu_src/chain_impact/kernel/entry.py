@@ -102,8 +102,8 @@ def least_law(d):
     The number 0 stands for a missing law. Laws may be missing before the first start, and after a fault while
     no contact is active.
     """
-    started = d.chain.longest_link != 0.0 and d.statistics.status == OK
-    return 1 if started or d.contacts.active_count > 0 else 0
+    has_started = d.chain.longest_link != 0.0 and d.statistics.status == OK
+    return 1 if has_started or d.contacts.active_count > 0 else 0
 
 
 def is_within(number, least, most):
@@ -200,7 +200,7 @@ def trajectory(d, words, times, spans, rows, of_state):
 
 
 def run_each(d, words, indices, values, end_times, output_indices, rows, continuing):
-    """Run the instance from its start once for each row of parameter values.
+    """Run the instance from the time 0 once for each row of parameter values.
 
     A run does not depend on the runs before it: no run changes a parameter, and ``initialize`` sets
     everything else.

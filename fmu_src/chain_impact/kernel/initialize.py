@@ -298,9 +298,12 @@ def first_step_size(d):
 def check_start(d):
     """Return a fault status if the run cannot start in its initial state, else OK.
 
-    A run cannot start if the state, its rate or its energy is not finite, if the clearance of a candidate is
-    below −ALLOWED_OVERLAP, if motions are prescribed and the pinned base is beyond a wall
-    (``check_base_at_walls``), or if no forces are found.
+    A run cannot start in these cases:
+
+    - NOT_FINITE: the state, its rate or its energy is not finite.
+    - STARTS_INSIDE_WALL: the clearance of a candidate is below −ALLOWED_OVERLAP.
+    - BASE_BEYOND_WALL: motions are prescribed, and the pinned base is in a wall (``check_base_at_walls``).
+    - FORCES_NOT_FOUND: no forces, or no modes of friction, satisfy all conditions.
     """
     locate_points(d, d.step.state)
     for j in range(len(d.scratch.state)):

@@ -168,7 +168,10 @@ def fill_state(d, theta):
 
 
 def fill_forces(d):
-    """Fill the outputs of contacts but for impulses and friction, from located points and the last ẏ."""
+    """Fill force, penetration and its rate of each candidate, from located points and the last evaluated ẏ.
+
+    Without contact they are 0. ``fill_friction`` and ``fill_quadratures`` fill the other outputs of contacts.
+    """
     out = d.output
     for c in range(d.candidate_count):
         out.force[c], out.penetration[c], out.penetration_rate[c] = 0.0, 0.0, 0.0

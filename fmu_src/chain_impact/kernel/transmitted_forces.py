@@ -311,11 +311,11 @@ def search_peaks(d, time, peak_at_end):
 
 
 @has_dual_rule
-def time_of_peak(_d, time, _place):
-    """Return the ``time`` [s] of a peak; its ``_place`` is a fraction of the last step, or a time.
+def time_of_peak(_d, time, _fraction_or_time):
+    """Return the ``time`` [s] of a peak, which lies at ``_fraction_or_time``, of or in the last step.
 
-    In a tangent instance, the time has derivatives if the place has any: at an event and at the maximum of a
-    parabola. Otherwise the derivatives are NaN: at a sample the place is fixed, although the peak shifts.
+    In a tangent instance, the time has derivatives if the fraction or time has any: at an event and at the
+    maximum of a parabola. Otherwise the derivatives are NaN: the peak shifts, but a sample of it does not.
     """
     return time
 

@@ -83,15 +83,15 @@ def find_loose_links(chain, free_base):
     """
     begin, count = -1, len(chain.length)
     for i in range(count):
-        near = SAME_POINT * chain.length[i]
+        near_distance = SAME_POINT * chain.length[i]
         if chain.inertia[i] > 0.0:
             begin = -1
             continue
-        beside = abs(chain.center_of_mass_offset[i]) > near
-        at_proximal = abs(chain.center_of_mass[i]) <= near and not beside
-        at_distal = abs(chain.length[i] - chain.center_of_mass[i]) <= near and not beside
-        if at_proximal or (i == 0 and (free_base or not chain.has_base_joint)):
+        is_beside = abs(chain.center_of_mass_offset[i]) > near_distance
+        is_at_proximal = abs(chain.center_of_mass[i]) <= near_distance and not is_beside
+        is_at_distal = abs(chain.length[i] - chain.center_of_mass[i]) <= near_distance and not is_beside
+        if is_at_proximal or (i == 0 and (free_base or not chain.has_base_joint)):
             begin = i
-        if begin >= 0 and (i == count - 1 or at_distal):
+        if begin >= 0 and (i == count - 1 or is_at_distal):
             return begin, i
     return -1, -1

@@ -263,8 +263,8 @@ def interpolate_prescribed_motions(d, time):
         if has_signal(d, j):
             continue
         is_smooth = set_cubic(d, j, time, h)
-        channel_moves = given.piece[1, j] != 0.0 or given.piece[2, j] != 0.0 or given.piece[3, j] != 0.0
-        moves, jumps = moves or channel_moves, jumps or not is_smooth
+        is_moving = given.piece[1, j] != 0.0 or given.piece[2, j] != 0.0 or given.piece[3, j] != 0.0
+        moves, jumps = moves or is_moving, jumps or not is_smooth
     if not moves and d.inputs.piece.degree == 0:
         return OK
     piece.degree, piece.middle, piece.scale = 3 if moves else 0, start + 0.5 * h, 2.0 / h
@@ -327,7 +327,7 @@ def store_given_motion(d, j, time):
     duration = time - channel.given_time[j]
     v_before = channel.start_velocity[j]
     displacement = s - channel.start_position[j]
-    at_rest = v == 0.0 and a == 0.0 and v_before == 0.0
+    is_at_rest = v == 0.0 and a == 0.0 and v_before == 0.0
     has_new_velocity = v != channel.given_velocity[j]
     channel.given_position[j], channel.given_velocity[j], channel.given_acceleration[j] = s, v, a
     channel.given_time[j] = time
@@ -353,6 +353,6 @@ def store_given_motion(d, j, time):
         channel.contradiction_duration, channel.contradiction_velocity = duration, v
     if is_refused:
         return False
-    if at_rest and duration > 0.0:
+    if is_at_rest and duration > 0.0:
         channel.mean_velocity[j] = displacement / duration
     return True

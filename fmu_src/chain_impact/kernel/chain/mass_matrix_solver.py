@@ -143,9 +143,9 @@ def factorize_matrix(d, link_vectors, space, slot, coupled):
             d, link_vectors, space, slot, coupled, i, True, impedance.joint[i], axx, axy, ayy, ex, ey, p
         )
         if j >= 0:
-            last = j + 1 == middle
-            kappa = 0.0 if last else impedance.joint[j + 1]
-            if last and coupled:
+            is_last = j + 1 == middle
+            kappa = 0.0 if is_last else impedance.joint[j + 1]
+            if is_last and coupled:
                 # The outward arm's term e·a α couples the motion a of the middle joint with the rotation α of
                 # link j. `factorize_link` needs this term in the motion a' of the link's outer joint:
                 # a = a' − α L⊥, so e·a α = e·a' α − e·L⊥ α². The last term adds −2 e·L⊥ to p, because Z has
@@ -255,7 +255,7 @@ def solve_response(d, link_vectors, space, slot, change):
         change: result Δ, in its first N + 2 entries: the change of the base's velocity [m/s] and of the
             links' angular velocities [rad/s]. Further entries of the array stay as they are.
     """
-    n, middle, applied_force, coupled = (
+    n, middle, applied_force, is_coupled = (
         d.link_count,
         d.chain.meeting_joint,
         space.applied_force,
@@ -266,14 +266,14 @@ def solve_response(d, link_vectors, space, slot, change):
     for k in range(n - middle):
         i, j = n - 1 - k, k - (n - 2 * middle)
         bx, by, t = gather_forces(
-            d, link_vectors, space, slot, coupled, i, True, applied_force.joint[i], bx, by, t, change
+            d, link_vectors, space, slot, is_coupled, i, True, applied_force.joint[i], bx, by, t, change
         )
         if j >= 0:
-            last = j + 1 == middle
-            moment = 0.0 if last else -applied_force.joint[j + 1]
-            u = u + t if last else u
+            is_last = j + 1 == middle
+            moment = 0.0 if is_last else -applied_force.joint[j + 1]
+            u = u + t if is_last else u
             cx, cy, u = gather_forces(
-                d, link_vectors, space, slot, coupled, j, False, moment, cx, cy, u, change
+                d, link_vectors, space, slot, is_coupled, j, False, moment, cx, cy, u, change
             )
     bx, by = bx + cx + applied_force.x[middle], by + cy + applied_force.y[middle]
     mobility = space.factors.middle_mobility
@@ -284,11 +284,11 @@ def solve_response(d, link_vectors, space, slot, change):
         if k < middle:
             i = middle - 1 - k
             cx, cy, rotation = spread_motion(
-                link_vectors, space, slot, coupled, i, False, cx, cy, rotation, change
+                link_vectors, space, slot, is_coupled, i, False, cx, cy, rotation, change
             )
             rate_before = rotation if k == 0 else rate_before
         x, y, rate_before = spread_motion(
-            link_vectors, space, slot, coupled, middle + k, True, x, y, rate_before, change
+            link_vectors, space, slot, is_coupled, middle + k, True, x, y, rate_before, change
         )
     change[0], change[1] = cx, cy
 

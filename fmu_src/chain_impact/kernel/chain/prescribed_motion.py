@@ -140,6 +140,3 @@ def travel_of_sines(d):
                 amplitude /= least_rate if passes_zero else max(TAU * abs(signal.frequency[i]), least_rate)
             amplitude_sum += amplitude
     return amplitude_sum
-
-
-# ---- segments ---------------------------------------------------------------------------------------------

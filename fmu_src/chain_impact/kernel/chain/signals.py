@@ -161,11 +161,11 @@ def drives_base_as_sine(d, j):
 def signal_rate(d, j):
     """Return an angular frequency [rad/s], ≥ 0, that tells how fast signal j changes in the last step.
 
-    For a sine that has begun, it is the largest angular frequency of the sine in the step. For a polynomial
-    of a degree above 3, as of a smooth ramp, it is π divided by the duration of the segment, as if the
-    segment were half a period of a cosine: such a polynomial can rise and fall within a step, though its
-    values and rates at both ends of the step do not show this. For a polynomial of degree 3 or less the
-    result is 0, because its values and rates at both ends of a step determine it.
+    - A sine that has begun: the largest angular frequency of the sine in the step.
+    - A polynomial of a degree above 3, as of a smooth ramp: π divided by the duration of the segment, as if
+      the segment were half a period of a cosine. Such a polynomial can rise and fall within a step, though
+      its values and rates at both ends do not show this.
+    - A polynomial of degree 3 or less: 0, because values and rates at both ends of a step determine it.
     """
     if is_sine(d, j):
         return largest_frequency(d, j)

@@ -62,8 +62,9 @@ def count_stalls(violation_count, fewest, stalls_left):
 
 
 def count_violations(d, scale):
-    """Count and mark violations above round-off: impulses < 0 in the active set, motions < target outside.
+    """Mark the violations of rigid walls in ``is_violated``, and return their number.
 
+    A violation is an impulse < 0 in the active set, or a motion < target outside it, beyond round-off.
     ``scale`` is the largest motion of any point, to which the round-off of motions is relative.
     """
     constraints, largest, violation_count = d.constraints, 0.0, 0

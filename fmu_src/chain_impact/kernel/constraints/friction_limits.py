@@ -200,10 +200,12 @@ def solve_inside(d):
     """
     limited, motion = d.limited_forces, d.scratch.place_change
     for k in range(constraint_count(d)):
-        moves = k < d.contacts.force_law_count
-        limited.impedance[k] = 0.0 if moves or not limited.inside_limits[k] else d.constraints.impedance[k]
+        has_force_law = k < d.contacts.force_law_count
+        limited.impedance[k] = (
+            0.0 if has_force_law or not limited.inside_limits[k] else d.constraints.impedance[k]
+        )
         limited.correction[k] = limited.impedance[k] * limited.residual[k]
-        if not moves and not limited.inside_limits[k]:
+        if not has_force_law and not limited.inside_limits[k]:
             limited.correction[k] = limited.force[k] - limited.force_before[k]
     factorize_contacts(d, HELD, limited.impedance)
     solve_contacts(d, HELD, limited.correction, limited.change)

@@ -86,20 +86,20 @@ def find_peaks(d, c, force_rate, time, reader):
     peak_force = max(contacts.peak_force[c], force)
     max_penetration = max(contacts.max_penetration[c], -clearance)
     # force and penetration have a maximum inside the step if their rates fall through zero
-    force_peaked = contacts.force_rate[c] > 0.0 and force_rate <= 0.0
-    penetration_peaked = (
+    has_force_peaked = contacts.force_rate[c] > 0.0 and force_rate <= 0.0
+    has_penetration_peaked = (
         contacts.penetration_rate[c] > 0.0 and clearance_rate >= 0.0 and not penetration_turns_at_end(d, c)
     )
-    if force_peaked or penetration_peaked:
+    if has_force_peaked or has_penetration_peaked:
         ensure_dense(d, reader)
     first = event_fraction(d)
-    reach = 0.5 * (fraction_at_time(d, time) - first) if force_peaked or penetration_peaked else 0.0
+    reach = 0.5 * (fraction_at_time(d, time) - first) if has_force_peaked or has_penetration_peaked else 0.0
     middle = first + reach
-    if force_peaked:
-        peak_force = max(peak_force, largest_force(d, c, middle, reach, middle + reach))
-    if penetration_peaked:
-        max_penetration = max(max_penetration, largest_penetration(d, c, middle, reach, middle + reach))
-    return peak_force, max_penetration, force_peaked or penetration_peaked
+    if has_force_peaked:
+        peak_force = max(peak_force, find_largest_force(d, c, middle, reach, middle + reach))
+    if has_penetration_peaked:
+        max_penetration = max(max_penetration, find_largest_penetration(d, c, middle, reach, middle + reach))
+    return peak_force, max_penetration, has_force_peaked or has_penetration_peaked
 
 
 def penetration_turns_at_end(d, c):
@@ -233,7 +233,10 @@ def clearance_at_fraction(d, c, theta):
     return clearance_and_rate(d, c)
 
 
-largest_force, largest_penetration = maximum_of(force_at_fraction), maximum_of(penetration_at_fraction)
+find_largest_force, find_largest_penetration = (
+    maximum_of(force_at_fraction),
+    maximum_of(penetration_at_fraction),
+)
 
 
 def clear_log(d):

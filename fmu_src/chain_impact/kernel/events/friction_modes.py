@@ -51,11 +51,12 @@ SPEED_ERROR_AT_REST = 1e-3
 
 
 def choose_friction_modes(d, speeds_may_jump):
-    """Choose the modes of friction at the end of the last step, and move sticking elements to their anchors.
+    """Choose the modes of friction at the end of the last step; if any element sticks, project this end.
 
-    An element that has not stuck before gets its present place as its anchor. If any element sticks, the end
-    of the step is projected, also onto held walls. The changes of modes are logged. The marks of the last
-    step that a mode ends (events/marks.py) are removed.
+    An element that begins to stick or, with ``speeds_may_jump``, any element that sticks is anchored at its
+    present coordinate. The projection moves sticking elements to their anchors, and held points to their
+    walls. The changes of modes are logged. The marks that say that a mode of friction or of a drive ends
+    (events/marks.py) are removed.
 
     Args:
         d: the instance, with the points located at the end of the last step.
@@ -219,16 +220,16 @@ def slide_at_limits(d):
     If no force is at its limit, all elements could stick, with other shares of the forces. In this case the
     element slides whose constraint force exceeds its limit most, and no other element.
     """
-    all_stick, element, largest_excess = True, -1, -math.inf
+    are_all_sticking, element, largest_excess = True, -1, -math.inf
     for i in range(d.friction.stuck_count):
         e = d.friction_element.stuck_index[i]
         excess = abs(d.friction_element.force[e]) - d.friction_element.friction_limit[e]
         if d.limited_forces.at_limit[i] != 0:
             set_friction_mode(d, e, sliding_sign(float(d.limited_forces.at_limit[i])))
-            all_stick = False
+            are_all_sticking = False
         elif is_inconsistent(d, e) and excess > largest_excess:
             element, largest_excess = e, excess
-    if all_stick:
+    if are_all_sticking:
         set_friction_mode(d, element, sliding_sign(d.friction_element.force[element]))
 
 
@@ -279,8 +280,8 @@ def log_changes(d):
     for e in range(d.friction_element_count):
         if d.friction_element.mode[e] != d.friction_element.mode_before[e]:
             row = log.count % len(log.time)
-            joint = e >= d.candidate_count
+            is_joint_or_slider = e >= d.candidate_count
             log.time[row], log.mode[row] = d.step.end, d.friction_element.mode[e]
-            log.point[row] = joint_number(d, e) if joint else d.candidate.point[e]
-            log.wall[row] = -1 if joint else d.candidate.wall[e]
+            log.point[row] = joint_number(d, e) if is_joint_or_slider else d.candidate.point[e]
+            log.wall[row] = -1 if is_joint_or_slider else d.candidate.wall[e]
             log.count += 1

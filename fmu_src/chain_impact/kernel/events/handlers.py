@@ -92,14 +92,18 @@ def apply_events(d):
     """Apply the events at the end of the last step, and choose size and method of the next step.
 
     Returns:
-        Whether a force may have jumped. The result is true in each of these cases: a contact crosses its kink
-        or gets a new latched speed; a contact begins or ends whose force may jump then (``force_may_jump``);
-        a rigid wall holds a point or has an event; the scene has dry friction or a drive with a limit.
+        Whether a force may have jumped. The result is true in each of these cases:
+
+        - A contact crosses its kink, or gets a new latched speed.
+        - A contact begins or ends whose force may jump then (``force_may_jump``).
+        - A rigid wall holds a point or has an event.
+        - The scene has dry friction or a drive with a limit.
     """
     # ``onset``: the last candidate with a force law whose contact this function begins; −1: none begins
     contacts, onset, may_have_jumped = d.contacts, -1, False
-    # whether the proposed step size stays valid if a contact lasts and none begins: after the end of a
-    # friction or drive mode and, in the loop below, after a kink or a relatch
+    # whether the step size that was proposed before these events may be kept, if a contact goes on and none
+    # begins: true after the end of a mode of friction or of a drive and, from the loop below on, after a kink
+    # or a new latched speed
     keeps_size = count_mode_changes(d) + d.drive.event > 0
     # ``rigid``: a rigid wall holds a point or has an event; ``rigid_impact``: a point hits a rigid wall
     rigid, rigid_impact = any_point_held(d), has_rigid_onset(d)
@@ -180,7 +184,8 @@ def choose_next_size(d, onset, keeps_size):
         d: the instance.
         onset: the candidate with a force law whose contact has begun at these events; the last of several, −1
             if none has.
-        keeps_size: whether the proposed size stays valid while contacts last; not used if ``onset`` ≥ 0.
+        keeps_size: whether the size that was proposed before the events may be kept; used only if a contact
+            goes on and none begins.
     """
     if d.contacts.active_count == 0:
         clear_applied_forces(d)

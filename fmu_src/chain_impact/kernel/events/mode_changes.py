@@ -30,10 +30,14 @@ FRICTION_ELEMENT_MEMBERS = (lambda d: d.friction.active_count, lambda d, k: d.fr
 def mode_may_end(d, e, end):
     """Return whether e's mode may have ended in the last step up to its fraction ``end``.
 
-    This is so in three cases: the margin of the mode was below −``element_error`` at a stage; e slides, and
-    its least speed at a stage is so small that the speed may have been negative between two stages
-    (DIP_PART); or inputs turn so fast that the margin may have been negative between the stages. The points
-    must be located at ``end``, and are located there afterwards.
+    This is so in three cases:
+
+    - The margin of the mode was below −``element_error`` at a stage.
+    - e slides, and its least speed at a stage is so small that the speed may have been negative between two
+      stages (DIP_PART).
+    - Inputs turn so fast that the margin may have been negative between the stages.
+
+    The points must be located at ``end``, and are located there afterwards.
     """
     least = d.friction_element.margin[e]
     if inputs_turn_fast(d) or least < -element_error(d, e):
@@ -55,10 +59,10 @@ def sliding_speed(d, e):
 def mark_changes(d, element, theta):
     """Mark ``element``, whose mode ends at θ of the step, and every other element whose mode ends at θ.
 
-    The sliding of an element that comes to rest at θ ends as well, although its speed need not change its
-    sign: an element that sticks from θ on may hold it. Otherwise round-off would decide which elements of a
-    body that stops slide on at zero speed, with forces at their limits. Afterwards the points are located at
-    θ.
+    The sliding of an element that comes to rest at θ ends as well, even if its speed would not change its
+    sign: another element, which sticks from θ on, may hold the body at rest. Otherwise round-off would decide
+    which elements of a body that stops slide on at zero speed, with forces at their limits. Afterwards the
+    points are located at θ.
     """
     for i in range(d.friction.active_count):
         e = d.friction_element.index[i]

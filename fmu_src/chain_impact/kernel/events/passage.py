@@ -21,8 +21,8 @@ def make_passage_search(function, samples, resolution, finds_dips=False):
             parabola is low enough there (VERTEX_PART). Otherwise falls between two samples are missed.
 
     Returns:
-        A function of (d, c, end). It returns the first θ ≤ ``end`` at which ``function`` falls below zero, or
-        −1 if ``function`` is below zero at no sample.
+        A function of (d, c, end). It returns the first θ ≤ ``end`` at which ``function`` falls below zero: 0
+        if it is below zero at 0 and at the next sample; −1 if it is below zero at no sample after 0.
     """
 
     def passage(d, c, end):

@@ -364,15 +364,15 @@ def release_contacts(d):
 
     If the function moves points, sticking elements get new anchors there.
     """
-    any_released, position_scale = False, largest_coordinate(d)
+    is_any_released, position_scale = False, largest_coordinate(d)
     set_unforced_to_positions(d)
     for k in range(d.contacts.force_law_count, d.contacts.active_count):
         c, is_released = d.contacts.active_index[k], not d.constraints.in_active_set[k]
         add_to_active_set(d, k, release_clearance(d, c, position_scale) if is_released else 0.0)
         if is_released:
             end_contact(d, c, True)
-            any_released = True
-    if any_released:
+            is_any_released = True
+    if is_any_released:
         # no element sticks while points are moved: a sticking joint could not move away from its stop
         suspend_sticking(d)
         solve_positions(d)

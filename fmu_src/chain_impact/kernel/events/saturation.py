@@ -21,7 +21,10 @@ def clear_saturation(d):
 
 @has_dual_rule
 def choose_saturation(d):
-    """Choose the modes of all drives at the end of the last step, from the forces without limits there."""
+    """Choose the modes of all drives at the end of the last step, from the forces without limits there.
+
+    The mark of a change of mode is removed. If no drive has a limit, nothing changes.
+    """
     if not d.chain.has_drive_limits:
         return
     ensure_inputs(d, d.step.state_end)

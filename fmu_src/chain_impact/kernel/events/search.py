@@ -142,10 +142,14 @@ def find_force_event(d, theta):
 def is_credible_crossing(d, theta):
     """Return whether the crossings at the fraction θ of the step are real, and not errors of the step.
 
-    The result is False in three cases, which are errors of a step that is too long: an onset lies deep inside
-    a wall; at an onset the point moves away from the wall; or a crossing lies right after the start of the
-    step, although the point cannot have reached the wall yet. Such errors occur because positions and rates
-    of the interpolant may be inconsistent within the tolerance. At θ = 0 only the third case counts.
+    The result is False in three cases, which are errors of a step that is too long:
+
+    - An onset lies deep inside a wall.
+    - At an onset the point moves away from the wall.
+    - A crossing lies right after the start of the step, although the point cannot have reached the wall yet.
+
+    Such errors occur because positions and rates of the interpolant may be inconsistent within the tolerance.
+    At θ = 0 only the third case counts.
 
     The caller has set the state, the clearances and their rates at θ.
     """
@@ -192,10 +196,11 @@ def onset_fraction(d):
     if there is no onset, or if the step is so short (SIMULTANEOUS_TIME, TIME_RESOLUTION) that a rejection
     would not help.
 
-    A longer step is rejected if a point with an onset is deep inside its wall at θ; if such a point is far
-    from its onset, or does not approach its wall, at the end of the step or at θ; or if friction modes are
-    marked to end, but the step halves none of their margins (``margin_is_halved``). If the step is rejected,
-    the result has no meaning.
+    A longer step is rejected in three cases; the result then has no meaning:
+
+    - A point with an onset is deep inside its wall at θ.
+    - Such a point is far from its onset, or does not approach its wall, at the end of the step or at θ.
+    - Friction modes are marked to end, but the step halves none of their margins (``margin_is_halved``).
     """
     if d.step.end - d.step.start <= SIMULTANEOUS_TIME + TIME_RESOLUTION * abs(d.step.end):
         return -1.0

@@ -125,8 +125,8 @@ def are_laws_in_use(d):
 def is_law_in_use(d, c):
     """Return whether candidate c has its given law, restitution, stiffness and coefficients of friction."""
     law, (sliding, static) = d.law, given_friction(d, c)
-    same_friction = law.friction[c] == sliding and law.static_friction[c] == max(sliding, static)
-    return is_damping_derived(d, c) and law.stiffness[c] == given_stiffness(d, c) and same_friction
+    has_same_friction = law.friction[c] == sliding and law.static_friction[c] == max(sliding, static)
+    return is_damping_derived(d, c) and law.stiffness[c] == given_stiffness(d, c) and has_same_friction
 
 
 def set_law_flags(d, c):
@@ -214,8 +214,8 @@ def check_law(d, c):
 def check_law_values(d, c):
     """Check restitution, stiffness and friction given for candidate c, under any law; return a status."""
     sliding, static = given_friction(d, c)
-    in_range = 0.0 <= given_restitution(d, c) <= 1.0 and given_stiffness(d, c) > 0.0
-    if not (in_range and sliding >= 0.0 and static >= 0.0 and math.isfinite(sliding + static)):
+    are_in_range = 0.0 <= given_restitution(d, c) <= 1.0 and given_stiffness(d, c) > 0.0
+    if not (are_in_range and sliding >= 0.0 and static >= 0.0 and math.isfinite(sliding + static)):
         return PARAMETER_OUT_OF_RANGE
     return STATIC_BELOW_SLIDING if 0.0 < static < sliding else OK
 
@@ -226,8 +226,8 @@ def is_damping_derived(d, c):
     The constants depend on the law's number, restitution and exponent. A run keeps the constants of the run
     before it if these three are the same.
     """
-    same_law = d.law.number[c] == given_law_number(d, c) and d.law.exponent[c] == law_exponent(d, c)
-    return same_law and d.law.restitution[c] == given_restitution(d, c)
+    has_same_law = d.law.number[c] == given_law_number(d, c) and d.law.exponent[c] == law_exponent(d, c)
+    return has_same_law and d.law.restitution[c] == given_restitution(d, c)
 
 
 def derive_damping(d, c):

@@ -63,9 +63,11 @@ class ContactLaw:
             return "impulses"
         if self.rate_exponent is None:
             return FAMILY_FORCE
-        rate = "max(0, δ̇)" if self.approach_only else "δ̇"
+        rate_text = "max(0, δ̇)" if self.approach_only else "δ̇"
         spring = "δⁿ" if self.exponent is None else penetration_power(self.exponent)
-        return f"K{spring} + " + " ".join(filter(None, ("d", penetration_power(self.rate_exponent), rate)))
+        return f"K{spring} + " + " ".join(
+            filter(None, ("d", penetration_power(self.rate_exponent), rate_text))
+        )
 
     @property
     def damping(self) -> str:

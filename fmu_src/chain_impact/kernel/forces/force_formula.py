@@ -168,9 +168,9 @@ def continued_force(d, c, penetration, rate):
     """
     is_beyond_kink = d.contacts.beyond_kink[c] != 0
     force, elastic = uncut_force(d, c, penetration, rate, is_beyond_kink)
-    approach_only = d.law.approach_only[c] != 0
-    note_crossing(d, c, rate if approach_only else force)
-    return 0.0 if is_beyond_kink and not approach_only else force, elastic
+    is_approach_only = d.law.approach_only[c] != 0
+    note_crossing(d, c, rate if is_approach_only else force)
+    return 0.0 if is_beyond_kink and not is_approach_only else force, elastic
 
 
 def force_on_side(d, c, penetration, rate):

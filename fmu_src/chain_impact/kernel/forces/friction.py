@@ -46,7 +46,7 @@ ANCHOR_ROUND_OFF = 1e-13
 def choose_wall_friction(sliding, static, own_sliding, own_static):
     """Return the coefficients of sliding and of static friction at a wall.
 
-    A static coefficient of 0 in the result stands for a static coefficient equal to the sliding one.
+    A static coefficient of 0, given or in the result, stands for one that equals the sliding coefficient.
 
     ``sliding`` and ``static`` are common to all walls. ``own_sliding`` and ``own_static`` belong to this wall
     and replace the common ones; a negative value means that the wall has no such coefficient. If the wall has

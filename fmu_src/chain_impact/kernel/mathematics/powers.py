@@ -37,12 +37,12 @@ def any_power(x, y):
         return 1.0
     if math.isnan(x) or math.isnan(y):
         return math.nan
-    whole = abs(y) >= ALL_EVEN or math.floor(y) == y
+    is_whole = abs(y) >= ALL_EVEN or math.floor(y) == y
     magnitude = abs(x)
-    if x < 0.0 and magnitude < math.inf and not whole:
+    if x < 0.0 and magnitude < math.inf and not is_whole:
         return math.nan
-    odd = whole and abs(y) < ALL_EVEN and math.floor(0.5 * y) != 0.5 * y
-    return math.copysign(power_of_magnitude(magnitude, y), x) if odd else power_of_magnitude(magnitude, y)
+    is_odd = is_whole and abs(y) < ALL_EVEN and math.floor(0.5 * y) != 0.5 * y
+    return math.copysign(power_of_magnitude(magnitude, y), x) if is_odd else power_of_magnitude(magnitude, y)
 
 
 def power_of_magnitude(x, y):

@@ -183,8 +183,8 @@ def check_energy(d, theta):
     also rejected if its dense output is wrong in the middle (``is_middle_correct``).
 
     If the step loses more than NOTABLE_LOSS of its allowed loss (``loss_allowed``), its loss divided by the
-    allowed loss counts as an error of the step: if it is above 1, and not only round-off, the step is
-    rejected; else it affects the size of the next step.
+    allowed loss counts as an error of the step. A quotient above 1 rejects the step, unless the loss is only
+    round-off; then, and if the quotient is smaller, it affects the size of the next step.
 
     Returns:
         Two energies [J] for ``store_energy``: the energy balance at θ; and the available energy, which is the
@@ -276,9 +276,11 @@ def loss_budget(d, available):
 def may_err_in_middle(d):
     """Return whether the last step is of a kind that can have a correct end although its middle is wrong.
 
-    There are three kinds, all long: a step whose dense output exists and in which a link has turned by more
-    than LONG_TURN; an explicit step that is longer than the stable size (STABLE_STEP) for dampers and springs
-    of drives; and, at a loose tolerance, the first step of a run, whose size is a guess.
+    There are three kinds, all long:
+
+    - at a loose tolerance, the first step of a run, whose size is a guess
+    - a step whose dense output exists and in which a link has turned by more than LONG_TURN
+    - an explicit step that is longer than the stable size (STABLE_STEP) for dampers and springs of drives
     """
     if d.statistics.steps == 0 and d.solver.tolerance > LOOSE_TOLERANCE:
         return True

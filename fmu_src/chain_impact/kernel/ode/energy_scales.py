@@ -30,10 +30,10 @@ from chain_impact.kernel.record.state import dissipated_at, supplied_at
 
 
 def energy_scales(d, y):
-    """Return the scale S [J] of the energy balance, and a sum [J] to which its round-off is relative.
+    """Return the scale S [J] of errors of the energy balance, and a sum [J] to which round-off is relative.
 
-    The sum contains the sizes of all terms that enter the balance. Both results belong to state y, for which
-    the points must be located.
+    ``allowed_change`` (balance.py) is STEP_CHANGE × tolerance × S plus round-off. The sum contains the sizes
+    of all terms that enter the balance. Both results belong to state y, for which the points must be located.
     """
     kinetic, potential = mechanical_energy(d, y)
     # the potential energy may be a small difference of large energies, whose round-off counts

@@ -259,11 +259,11 @@ def choose_variable(d, size_chosen):
     """
     step, root = d.step, sundman_u_at(d.link_count)
     rate_before, (contact, u) = time_rate_for_sizes(d, step.state_end), find_lone_contact(d)
-    changed = contact != step.regularized_candidate
+    has_changed = contact != step.regularized_candidate
     step.regularized_candidate = contact
     step.state_end[root] = u
     step.state_end[time_at(d.link_count)], step.time_origin = 0.0, step.end
-    if changed:
+    if has_changed:
         step.break_count += 1
         if not size_chosen:
             scale_next_size(d, rate_before / time_rate_for_sizes(d, step.state_end))
@@ -282,8 +282,8 @@ def find_rate(d, are_points_located):
     tells whether they are already located at the call.
     """
     y, rate = d.step.state_end, d.scratch.rate_end
-    touching = d.contacts.active_count > 0 or d.friction.active_count > 0
-    if touching:
+    is_touching = d.contacts.active_count > 0 or d.friction.active_count > 0
+    if is_touching:
         if not are_points_located:
             locate_points(d, y)
         rate_from_points(d, y, rate)
@@ -291,7 +291,7 @@ def find_rate(d, are_points_located):
         rate_from_state(d, y, rate)
     store_end_rates(d)
     if d.candidate_count > 0:
-        if not touching:
+        if not is_touching:
             if d.channel_count > 0:
                 move_channels_to_state(d, y)
             locate_from_link_vectors(d, y)

@@ -76,16 +76,16 @@ def choose_method(d):
     a damper. The points must be located at the start of the next step.
     """
     step = d.step
-    touching = d.contacts.active_count > 0
+    is_touching = d.contacts.active_count > 0
     if d.contact_settings.any_rigid and not (
         d.contact_settings.any_force_law or d.chain.has_springs_or_dampers
     ):
         begin_explicit(d)  # rigid walls are constraints, which are not stiff
     elif d.solver.method != AUTOMATIC_METHOD:
         step.method = prescribed_method(d.solver.method)
-        if touching and not is_implicit(d):
+        if is_touching and not is_implicit(d):
             limit_to_stable(d)
-    elif not (touching or d.chain.has_springs_or_dampers):
+    elif not (is_touching or d.chain.has_springs_or_dampers):
         begin_explicit(d)  # neither contacts nor joints are stiff
     elif step.end > step.start:  # a last step of zero length, as after a restart, tells nothing
         step.stiff_count = step.stiff_count + 1 if suggests_switch(d) else 0

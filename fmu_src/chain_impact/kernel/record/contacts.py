@@ -210,7 +210,7 @@ def constraints_dtype(link_count: int, candidate_count: int, friction_element_co
         # 1: the last problem was near a fold: a rigid wall held a point, and the first iteration left more
         # than FOLD_RESIDUAL (constraints/impulses.py) of the residual
         ("near_fold", INTEGER),
-        # 1: the constraint is in the active set, so its impulse may differ from 0; 0: it is not
+        # 1: the constraint is in the active set, so its impulse may differ from 0; 0: its impulse is 0
         ("in_active_set", INTEGER, (count,)),
         # constraints of rigid walls in ``solve_lcp``: 1 if the impulse of one in the active set is a pull, or
         # if ``reached_motion`` of one outside the set is below ``target_motion``; else 0
@@ -334,8 +334,8 @@ def quadrature_dtype(candidate_count: int, friction_element_count: int) -> np.dt
         # rate of each quadrature at the last ``commit_quadratures``; 0 if the quadrature was not integrated
         ("rate", REAL, (count,)),
         ("count", bounded_integer(0, count)),  # number of quadratures that steps integrate at present
-        # index in ``integral`` of each quadrature that steps integrate; only the first ``count`` entries
-        # count
+        # index in ``integral`` of each quadrature that steps integrate; only the first ``count`` entries are
+        # used
         ("index", bounded_integer(0, count - 1), (count,)),
         ("state", REAL, (count,)),  # values of the integrated quadratures at the last step's start
         ("state_end", REAL, (count,)),  # values of the integrated quadratures at the last step's end

@@ -200,14 +200,14 @@ def check_changes(t, delay):
         t: the tangent instance, with the points located at the end of the last step.
         delay: the delay of one of the changes, a dual number of value 0.
     """
-    stopped_count, any_slow = 0, False
+    stopped_count, is_any_slow = 0, False
     for i in range(t.friction.active_count):
         e = t.friction_element.index[i]
         if t.friction_element.mode[e] != STICKS:
             speed = tangential_rate(t, e)
             stops = t.friction_element.event[e] == SLIDING_ENDS or abs(value(speed)) <= value(rest_speed(t))
             stopped_count += stops
-            any_slow = any_slow or (stops and acceleration_may_be_error(t, e))
+            is_any_slow = is_any_slow or (stops and acceleration_may_be_error(t, e))
             speed_after = speed + value(tangential_acceleration(t, e)) * delay
             if stops and not stays_at_rest(t, speed_after, delay) and not is_negligible(t, speed_after):
                 end_derivatives(
@@ -216,7 +216,7 @@ def check_changes(t, delay):
     # If several elements stop, or if an acceleration may be an error, the derivatives of friction impulses
     # are not known: for example, the friction at each end of a rod on a floor depends on the times at which
     # the two ends stop.
-    if stopped_count > 1 or any_slow:
+    if stopped_count > 1 or is_any_slow:
         mark_split(t)
     if count_mode_changes(t) > 1:
         for i in range(t.friction.active_count):

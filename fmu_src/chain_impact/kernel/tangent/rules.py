@@ -247,9 +247,12 @@ def force_after_change(argument, change, values):
     )
 
 
-def time_of_peak(_t, time, place):
-    """Return the ``time`` [s] of a peak, with NaN as derivatives if the ``place`` has no derivatives."""
-    if not has_slope(place):
+def time_of_peak(_t, time, fraction_or_time):
+    """Return the ``time`` [s] of a peak, with NaN as derivatives if ``fraction_or_time`` has none.
+
+    ``fraction_or_time`` is where the peak lies in the last step.
+    """
+    if not has_slope(fraction_or_time):
         for k in range(DIRECTIONS):
             time = replace_slope(time, k, math.nan)
     return time
