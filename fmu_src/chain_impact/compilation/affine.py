@@ -31,8 +31,8 @@ def affine(numbers: Sequence[int]) -> Affine:
     Raises:
         ValueError: when no affine function of the counts has these values.
     """
-    first, *others, last = numbers
-    slopes = tuple(number - first for number in others)
+    first, *raised_numbers, last = numbers
+    slopes = tuple(number - first for number in raised_numbers)
     constant = first - sum(slope * count for slope, count in zip(slopes, SAMPLES[0], strict=True))
     if constant + sum(slope * count for slope, count in zip(slopes, SAMPLES[-1], strict=True)) != last:
         raise ValueError(f"{numbers}: not an affine function of {', '.join(COUNTS)}")

@@ -21,7 +21,7 @@ STACK = 1 << 20  # [byte] size of the module's stack, of which the kernel uses a
 # The target is WebAssembly with addresses of 32 bits, because zig has no headers for addresses of 64 bits.
 # With -msimd128 a vector holds two doubles, as in the code for x86 processors.
 TARGET = ("-target", "wasm32-wasi", "-msimd128", "-nostdlib", "-nostartfiles", "-s", "-fvisibility=hidden")
-ONE = (
+UNARY_FUNCTIONS = (
     "acos",
     "acosh",
     "asin",
@@ -37,12 +37,12 @@ ONE = (
     "tanh",
 )
 IMPORTED = {
-    **dict.fromkeys(ONE, "double x"),
+    **dict.fromkeys(UNARY_FUNCTIONS, "double x"),
     **dict.fromkeys(("atan2", "fmod", "hypot"), "double x, double y"),
 }
 """The functions of the browser's ``Math`` that a user's law can call → their arguments. The page gives these
 functions to the module (pages/browser/solver/kernel.js)."""
-_MISSING = re.compile(r"undefined symbol: _?(?:numba_)?(\w+)")
+_MISSING_SYMBOL = re.compile(r"undefined symbol: _?(?:numba_)?(\w+)")
 
 
 def compile_kernel(module: str, compiled: Path) -> None:
@@ -78,9 +78,9 @@ def link(compiled: Path, output: Path, law: Path | None = None) -> None:
     try:
         compilers.run_zig(arguments, output)
     except BuildError as error:
-        missing = _MISSING.search(str(error))
-        if law and missing:
-            raise LawError(f"calls {missing[1]}, which a kernel in a browser does not have") from None
+        missing_symbol = _MISSING_SYMBOL.search(str(error))
+        if law and missing_symbol:
+            raise LawError(f"calls {missing_symbol[1]}, which a kernel in a browser does not have") from None
         raise
 
 

@@ -56,9 +56,9 @@ def _inputs(part: Record) -> list[Field]:
 
 @lower_builtin(input_fields.input_field, Record, types.Integer)
 def _lower_input(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
-    instance, given = arguments
+    instance, given_number = arguments
     part, kind = signature.args
-    number = context.cast(builder, given, kind, types.intp)
+    number = context.cast(builder, given_number, kind, types.intp)
     fields = _inputs(part)
 
     def address_and_shape(field: Field) -> list[ir.Value]:
@@ -79,19 +79,19 @@ def _choose_value(
     blocks = [builder.append_basic_block() for _ in makers]
     end = builder.append_basic_block()
     choice = builder.switch(number, blocks[0])
-    made = []
+    made_values = []
     for k, (block, make) in enumerate(zip(blocks, makers, strict=True)):
         choice.add_case(cgutils.intp_t(k), block)
         builder.position_at_end(block)
-        made.append((make(), builder.block))
+        made_values.append((make(), builder.block))
         builder.branch(end)
     builder.position_at_end(end)
-    chosen = []
-    for values in zip(*(values for values, _ in made), strict=True):
-        chosen.append(builder.phi(values[0].type))
-        for value, (_, block) in zip(values, made, strict=True):
-            chosen[-1].add_incoming(value, block)
-    return chosen
+    chosen_values = []
+    for values in zip(*(values for values, _ in made_values), strict=True):
+        chosen_values.append(builder.phi(values[0].type))
+        for value, (_, block) in zip(values, made_values, strict=True):
+            chosen_values[-1].add_incoming(value, block)
+    return chosen_values
 
 
 def _give_field(function: Callable[..., Any], paths: Sequence[Path], kind: types.Type) -> None:
@@ -142,16 +142,18 @@ def _give_bound(function: Callable[..., Any], bounds: Sequence[Affine]) -> None:
         instance, number = arguments
         number = context.cast(builder, number, signature.args[1], types.intp)
         makers = [partial(lambda bound: [affine_value(bound, builder, instance)], bound) for bound in bounds]
-        (chosen,) = _choose_value(builder, number, makers)
-        return chosen
+        (chosen_bound,) = _choose_value(builder, number, makers)
+        return chosen_bound
 
 
 _give_field(ranges.ranged_field, ranges.RANGED_PATHS, types.float64)
 _give_field(ranges.bounded_field, ranges.BOUNDED_PATHS, types.int64)
 _BOUNDS = [zip(*pairs, strict=True) for pairs in zip(*map(ranges.bounds_of, SAMPLES), strict=True)]
-_LEAST, _MOST = zip(*([affine(numbers) for numbers in bounds] for bounds in _BOUNDS), strict=True)
-_give_bound(ranges.least_bound, _LEAST)
-_give_bound(ranges.most_bound, _MOST)
+_LEAST_BOUNDS, _MOST_BOUNDS = zip(
+    *([affine(numbers) for numbers in bounds] for bounds in _BOUNDS), strict=True
+)
+_give_bound(ranges.least_bound, _LEAST_BOUNDS)
+_give_bound(ranges.most_bound, _MOST_BOUNDS)
 
 
 @type_callable(duals.tangent_instance)
@@ -273,16 +275,16 @@ def _lower_copy_given(context: Any, builder: ir.IRBuilder, signature: Any, argum
 
 
 def _copy_fields(
-    context: Any, builder: ir.IRBuilder, instances: Sequence[ir.Value], wanted: Callable[[Path], bool]
+    context: Any, builder: ir.IRBuilder, instances: Sequence[ir.Value], is_wanted: Callable[[Path], bool]
 ) -> None:
     """Write code that copies the values of fields to a tangent instance, whose derivatives stay.
 
-    ``instances`` are the addresses of an instance and of the tangent instance. ``wanted`` is a function from
-    the path of a field to whether the field is copied.
+    ``instances`` are the addresses of an instance and of the tangent instance. ``is_wanted`` is a function
+    from the path of a field to whether the field is copied.
     """
     source, target = instances
     for path, field in TABLES["instance"].items():
-        if path and wanted(path) and not field.fields:
+        if path and is_wanted(path) and not field.fields:
             word = context.get_data_type(field.kind)
             count: ir.Value = cgutils.intp_t(1)
             for size in field.shape:

@@ -33,7 +33,7 @@ UNUSED_TIME = 30 * 24 * 3600.0
 # the beginning of the name of the folder for the linker's own cache; the version of the linker follows
 LINKER = "chain-impact-zig-"
 # matches the names of the cache's folders for any state of sources and compilers, and any linker version
-_OURS = re.compile(rf"[0-9a-f]{{16}}|{LINKER}.*")
+_OUR_NAMES = re.compile(rf"[0-9a-f]{{16}}|{LINKER}.*")
 UNREPORTED_WAIT = 1.0  # [s] a process that waits longer for another one, which makes a kernel, logs a message
 
 
@@ -185,7 +185,7 @@ def _prune(present: Path) -> None:
     for folder in present.parent.iterdir():
         with suppress(FileNotFoundError):  # another process may remove old folders at the same time
             is_old = folder.stat().st_mtime < time.time() - UNUSED_TIME
-            if is_old and _OURS.fullmatch(folder.name) and folder not in (present, linker_folder()):
+            if is_old and _OUR_NAMES.fullmatch(folder.name) and folder not in (present, linker_folder()):
                 shutil.rmtree(folder, ignore_errors=True)
 
 
@@ -214,7 +214,7 @@ def entries() -> list[Entry]:
     """
     base = base_folder()
     folders = sorted(base.iterdir()) if is_trusted(base) else []
-    return [_read_entry(path) for path in folders if path.is_dir() and _OURS.fullmatch(path.name)]
+    return [_read_entry(path) for path in folders if path.is_dir() and _OUR_NAMES.fullmatch(path.name)]
 
 
 def clear() -> int:

@@ -108,7 +108,9 @@ def collect_only(*, any_python: bool, guarded: bool) -> None:
     codegen.JITCPUCodegen.set_env = _do_nothing
     cpu.CPUContext.call_conv = property(Convention)
     cpu.CPUContext.create_cfunc_wrapper = partialmethod(_entry_point, guarded=guarded)
-    base.BaseContext.get_abi_sizeof = _compute_once(base.BaseContext.get_abi_sizeof, lambda _, one: str(one))
+    base.BaseContext.get_abi_sizeof = _compute_once(
+        base.BaseContext.get_abi_sizeof, lambda _, kind: str(kind)
+    )
     types.Function.get_call_type = _compute_once(  # type: ignore[method-assign]
         types.Function.get_call_type,
         lambda function, _, kinds, keywords: (function, kinds, *keywords.items()),
@@ -135,7 +137,7 @@ def _entry_point(context: Any, library: Library, description: Any, *_: Any, guar
     """
     module = context.create_module("entry point")
     result, arguments = description.restype, description.argtypes
-    inner = ir.Function(
+    lowered_function = ir.Function(
         module, context.call_conv.get_function_type(result, arguments), description.llvm_func_name
     )
     kind = ir.FunctionType(
@@ -144,7 +146,7 @@ def _entry_point(context: Any, library: Library, description: Any, *_: Any, guar
     entry = ir.Function(module, kind, description.llvm_cfunc_wrapper_name)
     builder = ir.IRBuilder(entry.append_basic_block("entry"))
     caller_settings = builder.call(_declare_external(module, WORD, USUAL_REGISTERS), ()) if guarded else None
-    _, value = context.call_conv.call_function(builder, inner, result, arguments, entry.args)
+    _, value = context.call_conv.call_function(builder, lowered_function, result, arguments, entry.args)
     if caller_settings:
         builder.call(_declare_external(module, ir.VoidType(), PUT_BACK, WORD), [caller_settings])
         # The calls of the lowered function and of the functions for the registers must not be inlined: LLVM

@@ -148,15 +148,15 @@ def add_prelude(module: str, scope: KernelScope, registers: str = REGISTERS) -> 
     else:
         fixed = dict.fromkeys(() if scope is AnyLinks.GENERAL else _RARE_SIZES, 0)
         fixed |= {"chain_link_count": scope} if isinstance(scope, int) else {}
-    prelude = "".join(
+    prelude_code = "".join(
         FIXED_COUNT_CODE.format(name=name, number=fixed[name])
         if name in fixed
         else READ_COUNT_CODE.format(name=name, word=word, end=LARGEST_COUNT + 1)
         for word, name in enumerate(_SIZES)
     )
     # a hidden function is private to a library, so a call of it is direct, not through a table of addresses
-    hidden = _LEFT_OPEN.sub(r"\1 hidden ", module)
-    return _DECLARED_ABOVE.sub("", hidden) + prelude + registers
+    hidden_module = _LEFT_OPEN.sub(r"\1 hidden ", module)
+    return _DECLARED_ABOVE.sub("", hidden_module) + prelude_code + registers
 
 
 def lower(module: Path, part: str, law: Path | None = None) -> None:
@@ -178,11 +178,13 @@ def lower(module: Path, part: str, law: Path | None = None) -> None:
         "NUMBA_CPU_FEATURES": "",
         "PYTHONHASHSEED": "0",
     }
-    given = [str(law)] if law else []
-    done = _run("-c", LOWER, str(PACKAGE.parent), fingerprint(), str(module), part, *given, **settings)
-    if done.returncode == BAD_LAW:
-        raise LawError(done.stderr.splitlines()[-1])
-    _check(done)
+    law_arguments = [str(law)] if law else []
+    process = _run(
+        "-c", LOWER, str(PACKAGE.parent), fingerprint(), str(module), part, *law_arguments, **settings
+    )
+    if process.returncode == BAD_LAW:
+        raise LawError(process.stderr.splitlines()[-1])
+    _check(process)
 
 
 def compile_part(module: str, compiled: Path, platform: str, part: str, scope: KernelScope) -> None:
@@ -230,12 +232,12 @@ def link(parts: Collection[Path], library: Path, platform: str, law: Path | None
     """
     prepare_zig(platform)
     try:
-        beside = write_stubs(library, law, derivatives=len(parts) > 1)
-        _zig_library(platform, library, *parts, *interface_sources(), *beside)
+        stub_files = write_stubs(library, law, derivatives=len(parts) > 1)
+        _zig_library(platform, library, *parts, *interface_sources(), *stub_files)
     except BuildError as error:
-        missing = _MISSING_NUMBA_SYMBOL.search(str(error))
-        if law and missing:
-            raise LawError(f"calls {missing[1]}, which a kernel does not have") from None
+        missing_symbol = _MISSING_NUMBA_SYMBOL.search(str(error))
+        if law and missing_symbol:
+            raise LawError(f"calls {missing_symbol[1]}, which a kernel does not have") from None
         raise
 
 
@@ -293,14 +295,18 @@ def write_stubs(library: Path, law: Path | None, *, derivatives: bool = False) -
     ``law``, it has those of LAW; with a law, it has of these only ``user_law_present``, which returns 1. The
     files to link are the law, if there is one, and the C file, which is in the folder of ``library``.
     """
-    missing = ({} if derivatives else HOOKS) | ({"user_law_present": ("i64", (), 1)} if law else LAW)
+    missing_functions = ({} if derivatives else HOOKS) | (
+        {"user_law_present": ("i64", (), 1)} if law else LAW
+    )
     text = "".join(map(STUB_CODE.format, PYTHON_SYMBOLS))
-    for name, (result, arguments, nothing) in missing.items():
-        named = ", ".join(f"{C_TYPES[kind]} a{k}" for k, kind in enumerate(arguments)) or "void"
-        text += f"{C_TYPES[result]} {name}({named}) {{ return ({C_TYPES[result]}){nothing}; }}\n"
-    beside = library.with_name("beside.c")
-    beside.write_text(text)
-    return (law, beside) if law else (beside,)
+    for name, (result, arguments, stub_result) in missing_functions.items():
+        parameters_code = ", ".join(f"{C_TYPES[kind]} a{k}" for k, kind in enumerate(arguments)) or "void"
+        text += (
+            f"{C_TYPES[result]} {name}({parameters_code}) {{ return ({C_TYPES[result]}){stub_result}; }}\n"
+        )
+    stub_file = library.with_name("beside.c")
+    stub_file.write_text(text)
+    return (law, stub_file) if law else (stub_file,)
 
 
 def _compile_with_zig(
@@ -337,12 +343,12 @@ def _run(*arguments: str, **settings: str) -> subprocess.CompletedProcess[str]:
 
     ``arguments`` are those of Python, ``settings`` additional environment variables.
     """
-    kept = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA_")}
+    kept_settings = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA_")}
     with TemporaryDirectory() as nowhere:
         return subprocess.run(
             [sys.executable, "-P", *arguments],
             cwd=nowhere,
-            env=kept | settings,
+            env=kept_settings | settings,
             capture_output=True,
             encoding="utf-8",
             errors="replace",
@@ -350,7 +356,7 @@ def _run(*arguments: str, **settings: str) -> subprocess.CompletedProcess[str]:
         )
 
 
-def _check(done: subprocess.CompletedProcess[str]) -> None:
-    if done.returncode != 0:
-        program = "zig" if "ziglang" in done.args else "numba"
-        raise BuildError(f"could not compile the kernel: {program} said:\n{done.stderr}")
+def _check(process: subprocess.CompletedProcess[str]) -> None:
+    if process.returncode != 0:
+        program = "zig" if "ziglang" in process.args else "numba"
+        raise BuildError(f"could not compile the kernel: {program} said:\n{process.stderr}")

@@ -36,19 +36,19 @@ class Dual(types.Type):
     def __init__(self) -> None:
         super().__init__(name=f"dual{DIRECTIONS}")
 
-    def can_convert_from(self, _context: Any, other: types.Type) -> Conversion | None:
+    def can_convert_from(self, _context: Any, other_type: types.Type) -> Conversion | None:
         """Return how numba converts ``other`` to this type; None if ``other`` is no type of numbers or bools.
 
         The derivatives of a converted number are 0.
         """
-        return Conversion.promote if isinstance(other, types.Number | types.Boolean) else None
+        return Conversion.promote if isinstance(other_type, types.Number | types.Boolean) else None
 
-    def unify(self, _context: Any, other: types.Type) -> types.Type | None:
+    def unify(self, _context: Any, other_type: types.Type) -> types.Type | None:
         """Return the type of a variable that has values of this type and of the type ``other``: this type.
 
         The result is None if ``other`` is no type of numbers or bools.
         """
-        return self if isinstance(other, types.Number | types.Boolean) else None
+        return self if isinstance(other_type, types.Number | types.Boolean) else None
 
 
 DUAL = Dual()
@@ -90,8 +90,10 @@ def _zero_slopes() -> ir.Value:
     return ir.Constant(VECTOR, [0.0] * DIRECTIONS)
 
 
-def _cast(context: Any, builder: ir.IRBuilder, given: types.Type, _to: types.Type, value: ir.Value) -> Any:
-    return _make_dual(builder, context.cast(builder, value, given, float64), _zero_slopes())
+def _cast(
+    context: Any, builder: ir.IRBuilder, given_type: types.Type, _to: types.Type, value: ir.Value
+) -> Any:
+    return _make_dual(builder, context.cast(builder, value, given_type, float64), _zero_slopes())
 
 
 for _kind in (types.Float, types.Integer, types.Boolean, types.IntegerLiteral):
@@ -142,8 +144,8 @@ def _lower(function: Any, code: Code, *kinds: types.Type) -> None:
 
 def _ordinary_value(context: Any, builder: ir.IRBuilder, function: Any, *numbers: ir.Value) -> ir.Value:
     """Return the LLVM value of ``function`` for ordinary ``numbers``, by numba's own code."""
-    typed = context.typing_context.resolve_function_type(function, (float64,) * len(numbers), {})
-    return context.get_function(function, typed)(builder, numbers)
+    call_signature = context.typing_context.resolve_function_type(function, (float64,) * len(numbers), {})
+    return context.get_function(function, call_signature)(builder, numbers)
 
 
 # ---- arithmetic -------------------------------------------------------------------------------------------
@@ -154,7 +156,7 @@ _AUGMENTED_OPERATORS = {
     operator.mul: operator.imul,
     operator.truediv: operator.itruediv,
 }
-_ONE = ir.Constant(ir.DoubleType(), 1.0)
+_NUMBER_ONE = ir.Constant(ir.DoubleType(), 1.0)
 
 
 def _bilinear_codes(operation: str, slopes: Callable[..., tuple[ir.Value, ir.Value]]) -> tuple[Code, ...]:
@@ -183,11 +185,13 @@ def _quotient_codes() -> tuple[Code, ...]:
         quotient = builder.fdiv(a, b)
         # derivative of a quotient: (a/b)′ = (a′ − (a/b) b′)/b
         slopes = builder.fsub(da, _scale_slopes(builder, quotient, db))
-        return _make_dual(builder, quotient, _scale_slopes(builder, builder.fdiv(_ONE, b), slopes))
+        return _make_dual(builder, quotient, _scale_slopes(builder, builder.fdiv(_NUMBER_ONE, b), slopes))
 
     def first(_context: Any, builder: ir.IRBuilder, x: ir.Value, b: ir.Value) -> ir.Value:
         a, da = _value_and_slopes(builder, x)
-        return _make_dual(builder, builder.fdiv(a, b), _scale_slopes(builder, builder.fdiv(_ONE, b), da))
+        return _make_dual(
+            builder, builder.fdiv(a, b), _scale_slopes(builder, builder.fdiv(_NUMBER_ONE, b), da)
+        )
 
     def second(_context: Any, builder: ir.IRBuilder, a: ir.Value, y: ir.Value) -> ir.Value:
         b, db = _value_and_slopes(builder, y)
@@ -199,18 +203,18 @@ def _quotient_codes() -> tuple[Code, ...]:
 
 
 _CODES = {
-    operator.add: _bilinear_codes("fadd", lambda _a, _b: (_ONE, _ONE)),
-    operator.sub: _bilinear_codes("fsub", lambda _a, _b: (_ONE, ir.Constant(ir.DoubleType(), -1.0))),
+    operator.add: _bilinear_codes("fadd", lambda _a, _b: (_NUMBER_ONE, _NUMBER_ONE)),
+    operator.sub: _bilinear_codes("fsub", lambda _a, _b: (_NUMBER_ONE, ir.Constant(ir.DoubleType(), -1.0))),
     operator.mul: _bilinear_codes("fmul", lambda a, b: (b, a)),
     operator.truediv: _quotient_codes(),
 }
 _KINDS = ((Dual, Dual), (Dual, types.Float), (types.Float, Dual))
 
 for _function, _codes in _CODES.items():
-    for _one in (_function, _AUGMENTED_OPERATORS[_function]):
-        _declare(_one, DUAL)
+    for _operation in (_function, _AUGMENTED_OPERATORS[_function]):
+        _declare(_operation, DUAL)
         for _kinds, _code in zip(_KINDS, _codes, strict=True):
-            _lower(_one, _code, *_kinds)
+            _lower(_operation, _code, *_kinds)
 
 
 # ---- comparisons, extremes and functions ------------------------------------------------------------------
@@ -241,8 +245,8 @@ for _function, _relation in (
 
 def _extreme_code(relation: str) -> Any:
     def lower_call(_context: Any, builder: ir.IRBuilder, _signature: Any, arguments: Any) -> ir.Value:
-        best, *others = arguments
-        for candidate in others:
+        best, *other_numbers = arguments
+        for candidate in other_numbers:
             # max and min return the first of equal numbers, as in Python
             a, b = (builder.extract_value(number, 0) for number in (candidate, best))
             best = builder.select(builder.fcmp_ordered(relation, a, b), candidate, best)
@@ -284,8 +288,8 @@ def _root_slope(_context: Any, builder: ir.IRBuilder, _a: ir.Value, root: ir.Val
 
 
 def _sign_of(_context: Any, builder: ir.IRBuilder, a: ir.Value, _value: ir.Value) -> ir.Value:
-    one, zero = ir.Constant(a.type, 1.0), ir.Constant(a.type, 0.0)
-    return builder.select(builder.fcmp_ordered("<", a, zero), ir.Constant(a.type, -1.0), one)
+    plus_one, zero = ir.Constant(a.type, 1.0), ir.Constant(a.type, 0.0)
+    return builder.select(builder.fcmp_ordered("<", a, zero), ir.Constant(a.type, -1.0), plus_one)
 
 
 _lower_chain_rule(math.sqrt, _root_slope)
@@ -315,7 +319,7 @@ def _hypot(context: Any, builder: ir.IRBuilder, x: ir.Value, y: ir.Value) -> ir.
     # derivative of √(a² + b²): (a a′ + b b′)/√(a² + b²)
     slopes = builder.fadd(_scale_slopes(builder, a, da), _scale_slopes(builder, b, db))
     zero = ir.Constant(length.type, 0.0)
-    inverse = builder.fdiv(_ONE, length)
+    inverse = builder.fdiv(_NUMBER_ONE, length)
     # at length 0 the derivatives are set to 0, as for the square root (``_root_slope``)
     inverse = builder.select(builder.fcmp_ordered(">", length, zero), inverse, zero)
     return _make_dual(builder, length, _scale_slopes(builder, inverse, slopes))
@@ -349,11 +353,13 @@ def _read_slope(_context: Any, builder: ir.IRBuilder, x: ir.Value, direction: ir
 
 def _has_slope(_context: Any, builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
     slopes = builder.extract_value(x, 1)
-    some: ir.Value = ir.Constant(ir.IntType(1), 0)
+    is_any_nonzero: ir.Value = ir.Constant(ir.IntType(1), 0)
     for direction in range(DIRECTIONS):
         derivative = builder.extract_element(slopes, cgutils.int32_t(direction))
-        some = builder.or_(some, builder.fcmp_unordered("!=", derivative, ir.Constant(derivative.type, 0.0)))
-    return some
+        is_any_nonzero = builder.or_(
+            is_any_nonzero, builder.fcmp_unordered("!=", derivative, ir.Constant(derivative.type, 0.0))
+        )
+    return is_any_nonzero
 
 
 _declare(duals.value, float64)
@@ -365,8 +371,8 @@ _lower(duals.slope, _read_slope, Dual, types.Integer)
 _declare(duals.replace_slope, DUAL, None)
 _lower(
     duals.replace_slope,
-    lambda _c, b, x, k, one: _make_dual(
-        b, _value_and_slopes(b, x)[0], b.insert_element(_value_and_slopes(b, x)[1], one, k)
+    lambda _c, b, x, k, number: _make_dual(
+        b, _value_and_slopes(b, x)[0], b.insert_element(_value_and_slopes(b, x)[1], number, k)
     ),
     *(Dual, types.Integer, types.Float),
 )

@@ -51,8 +51,8 @@ def trajectory(d, times, count, spans, span_count, rows, columns, of_state):  # 
 
     Return the number of filled rows; kernel/entry.py describes the arguments.
     """
-    wanted, filled = matrix(spans, span_count, 2), matrix(rows, count, columns)
-    return entry.trajectory(d, as_words(d), vector(times, count), wanted, filled, of_state)
+    wanted_spans, filled_rows = matrix(spans, span_count, 2), matrix(rows, count, columns)
+    return entry.trajectory(d, as_words(d), vector(times, count), wanted_spans, filled_rows, of_state)
 
 
 def run_each(  # noqa: PLR0917 - in C, arguments have no names

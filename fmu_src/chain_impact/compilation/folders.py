@@ -20,7 +20,7 @@ UNUSABLE_FOLDER = (
     *(errno.ENOENT, errno.ENOSPC, errno.EDQUOT, errno.ENOTDIR),
 )
 LITTLE_SPACE = 1_000_000  # [byte] with less free space than this, a disk counts as full
-OTHERS = "other users can write there"
+OTHERS_CAN_WRITE = "other users can write there"
 ADVICE = "free space there, or set CHAIN_IMPACT_CACHE to another folder"
 
 
@@ -30,9 +30,9 @@ def base_folder() -> Path:
     Raises:
         BuildError: when ``CHAIN_IMPACT_CACHE`` is not set and the user has no home folder.
     """
-    given = os.environ.get("CHAIN_IMPACT_CACHE")
+    given_folder = os.environ.get("CHAIN_IMPACT_CACHE")
     try:
-        return (Path(given) if given else files.user_cache_folder()).absolute()
+        return (Path(given_folder) if given_folder else files.user_cache_folder()).absolute()
     except RuntimeError as error:
         raise BuildError(
             f"no folder for compiled kernels: {error}; set CHAIN_IMPACT_CACHE to a folder"
@@ -62,7 +62,7 @@ def make_folder(base: Path) -> Path:
             base.mkdir(mode=0o700, parents=True)
         tempfile.TemporaryFile(dir=base).close()
         if not is_trusted(base):
-            raise PermissionError(errno.EACCES, OTHERS, str(base))
+            raise PermissionError(errno.EACCES, OTHERS_CAN_WRITE, str(base))
     return base
 
 
@@ -82,8 +82,8 @@ def explain_unwritable_folder(folder: Path) -> Iterator[None]:
     except OSError as error:
         if error.errno not in UNUSABLE_FOLDER or not _concerns(error.filename, folder):
             raise
-        where, why = error.filename or folder, error.strerror or error
-        raise BuildError(f"no kernel can be stored in {where} ({why}): {ADVICE}") from None
+        refused_path, cause = error.filename or folder, error.strerror or error
+        raise BuildError(f"no kernel can be stored in {refused_path} ({cause}): {ADVICE}") from None
     except BuildError:
         # a compiler can fail because the disk is full, but its message does not always say so
         if folder.is_dir() and shutil.disk_usage(folder).free < LITTLE_SPACE:
@@ -91,13 +91,13 @@ def explain_unwritable_folder(folder: Path) -> Iterator[None]:
         raise
 
 
-def _concerns(named: Any, folder: Path) -> bool:
-    """Return whether an error of the operating system that names ``named`` concerns a folder.
+def _concerns(named_file: Any, folder: Path) -> bool:
+    """Return whether an error of the operating system that names ``named_file`` concerns a folder.
 
-    The result is True if ``named`` is no path, or the path of the folder, or a path inside or above it.
+    The result is True if ``named_file`` is no path, or the path of the folder, or a path inside or above it.
     """
     # an error may name no path, or the number of an open file; this file may be in the folder
-    if not isinstance(named, str | bytes | os.PathLike):
+    if not isinstance(named_file, str | bytes | os.PathLike):
         return True
-    path = Path(os.fsdecode(named)).absolute()
+    path = Path(os.fsdecode(named_file)).absolute()
     return path.is_relative_to(folder) or folder.is_relative_to(path)

@@ -33,7 +33,7 @@ LAW_PRESENT, LAW_FORCE = "user_law_present", "user_law_force"
 _TYPES = {"ptr": INSTANCE, "double": float64, "i64": int64}
 HOOK_SIGNATURES: dict[FunctionType, Any] = {
     getattr(hooks, name): (types.void if result == "ptr" else _TYPES[result])(
-        *(_TYPES[one] for one in arguments)
+        *(_TYPES[kind] for kind in arguments)
     )
     for name, (result, arguments, _) in HOOKS.items()
 }

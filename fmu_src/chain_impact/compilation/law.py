@@ -68,13 +68,13 @@ def _checked_function(law: UserLaw) -> Callable[..., float]:
         exec(compile(law.source, f"{law.id}.py", "exec"), space)
         # because of this entry, numba compiles the functions of the law's file that the law calls
         MODULES.add(f"{law.id}.")
-        inner = compiled_function(space[law.id])
-        inner.compile((float64,) * len(law.arguments))
-        returned = inner.nopython_signatures[0].return_type
+        compiled_law = compiled_function(space[law.id])
+        compiled_law.compile((float64,) * len(law.arguments))
+        returned = compiled_law.nopython_signatures[0].return_type
         if not isinstance(returned, types.Float | types.Integer):
             raise LawError(f"must return a number, not {returned}")
-        call = f"lambda {', '.join(LAW_ARGUMENTS)}: float({law.id}({', '.join(law.arguments)}))"
-        function: Callable[..., float] = eval(call, space)
+        call_code = f"lambda {', '.join(LAW_ARGUMENTS)}: float({law.id}({', '.join(law.arguments)}))"
+        function: Callable[..., float] = eval(call_code, space)
         compiled_function(function).compile((float64,) * len(LAW_ARGUMENTS))
     except LawError:
         raise

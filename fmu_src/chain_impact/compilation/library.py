@@ -45,8 +45,8 @@ def kernel_library(
         raise BuildError(no_kernel_sentence())
     law = _law(law_file) if law_file else None
     library_kind = DERIVATIVES if derivatives else KERNEL
-    exact = prebuilt.exact_scope(scope, library_kind)
-    name = prebuilt.library_name(exact, platform, _law_name(law) if law else "", library_kind)
+    kernel_scope = prebuilt.exact_scope(scope, library_kind)
+    name = prebuilt.library_name(kernel_scope, platform, _law_name(law) if law else "", library_kind)
     existing = (
         cache.find(name) if law else prebuilt.best_kernel(scope, platform, library_kind) or cache.find(name)
     )
@@ -58,12 +58,12 @@ def kernel_library(
     def part_file(part: str) -> Path:
         def text() -> str:
             module = _lowered_kernel(part)
-            prepared = compilers.zig_is_prepared(platform)
-            seconds = LINKING[part] + (0.0 if prepared else PREPARATION_TIMES.get(platform, 0.0))
+            is_prepared = compilers.zig_is_prepared(platform)
+            seconds = LINKING[part] + (0.0 if is_prepared else PREPARATION_TIMES.get(platform, 0.0))
             log_once(f"linking the kernel for {platform}", seconds)
             return module
 
-        return prebuilt.object_file(exact, platform, part, text)
+        return prebuilt.object_file(kernel_scope, platform, part, text)
 
     def link(file: Path) -> None:
         parts = [part_file(part) for part in prebuilt.LIBRARY_PARTS[library_kind]]

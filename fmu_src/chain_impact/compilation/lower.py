@@ -94,19 +94,19 @@ def _simplify(module: llvm.ModuleRef) -> None:
 
 def main() -> None:
     """Write the part WHAT of a kernel in LLVM's language to FILE, as the head of this module tells."""
-    expected, file, what, *given = sys.argv[1:]
+    fingerprint_at_start, file, part, *law_files = sys.argv[1:]
     path = Path(file)
-    collect_only(any_python=what == "law", guarded=what == "kernel")
+    collect_only(any_python=part == "law", guarded=part == "kernel")
     try:
-        if what == "law":
-            entries = law_entry(read_law(Path(given[0])))
+        if part == "law":
+            entries = law_entry(read_law(Path(law_files[0])))
         else:
-            entries = entry_points() if what == "kernel" else hook_entries()
+            entries = entry_points() if part == "kernel" else hook_entries()
     except LawError as error:
         print(" ".join(str(error).split()), file=sys.stderr)
         sys.exit(BAD_LAW)
     text = lowered_code(entries)
-    if fingerprint() != expected:
+    if fingerprint() != fingerprint_at_start:
         sys.exit("the sources of the kernel have changed since the program began: run it again")
     path.write_text(text, encoding="utf-8")
 

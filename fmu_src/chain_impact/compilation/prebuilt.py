@@ -52,9 +52,9 @@ def require_compilers(purpose: str) -> None:
     Raises:
         BuildError: when a compiler is not installed; ``purpose``, such as "this kernel", begins the message.
     """
-    if missing := missing_compilers():
-        how = how_to_install("compiler")
-        raise BuildError(f"{purpose} needs a compiler: {how} ({', '.join(missing)} missing)")
+    if missing_packages := missing_compilers():
+        advice = how_to_install("compiler")
+        raise BuildError(f"{purpose} needs a compiler: {advice} ({', '.join(missing_packages)} missing)")
 
 
 def is_release_build() -> bool:
@@ -107,9 +107,8 @@ def best_kernel(scope: KernelScope, platform: str, library_kind: str) -> Path | 
     For a number of links, this is the kernel for any number if there is no prebuilt kernel for this number.
     """
     scopes = (scope, AnyLinks.PLAIN) if isinstance(scope, int) else (scope,)
-    return next(
-        filter(None, (find(library_name(each, platform, library_kind=library_kind)) for each in scopes)), None
-    )
+    names = (library_name(kernel_scope, platform, library_kind=library_kind) for kernel_scope in scopes)
+    return next(filter(None, map(find, names)), None)
 
 
 def lowered_kernel() -> str | None:

@@ -92,8 +92,8 @@ def _fields_by_path(layouts: Sequence[np.dtype]) -> dict[Path, Field]:
             shape=[affine(sizes) for sizes in zip(*(dtype.shape for dtype in dtypes), strict=True)],
         )
         for name in fields:
-            inner, starts, *_ = zip(*(dtype.fields[name] for dtype in dtypes), strict=True)
-            add((*path, name), inner, [sum(pair) for pair in zip(offsets, starts, strict=True)])
+            field_dtypes, starts, *_ = zip(*(dtype.fields[name] for dtype in dtypes), strict=True)
+            add((*path, name), field_dtypes, [sum(pair) for pair in zip(offsets, starts, strict=True)])
 
     def add_columns(path: Path, dtypes: Sequence[Any], offsets: Sequence[int]) -> None:
         """Add the array of records at ``path`` to the result, as one record whose fields are the columns."""
@@ -224,10 +224,10 @@ def array_at(
 
 @lower_setattr_generic(Record)
 def _set_field(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any, name: str) -> None:
-    record, given = signature.args
+    record, given_type = signature.args
     instance, value = arguments
     field = record.field(name)
-    value = context.cast(builder, value, given, field.kind)
+    value = context.cast(builder, value, given_type, field.kind)
     context.pack_value(builder, field.kind, value, address_of(context, builder, instance, field))
 
 

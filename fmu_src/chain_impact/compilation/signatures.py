@@ -63,7 +63,7 @@ def declarations() -> str:
     """Return the C declarations of a kernel's functions; ``Word`` is the C type of a number in a record."""
     lines = []
     for name, (result, arguments) in SIGNATURES.items():
-        given = ", ".join(f"{_TYPES_OF_C[kind]}{argument}" for argument, kind in arguments.items())
-        line = f"extern {_TYPES_OF_C[result]}{name}({given});"
+        parameters_code = ", ".join(f"{_TYPES_OF_C[kind]}{argument}" for argument, kind in arguments.items())
+        line = f"extern {_TYPES_OF_C[result]}{name}({parameters_code});"
         lines += textwrap.wrap(line, HEADER_WIDTH, subsequent_indent="    ")
     return "\n".join(lines)

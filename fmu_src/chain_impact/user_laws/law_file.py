@@ -78,11 +78,12 @@ def parse_law(name: str, source: str) -> UserLaw:
 
 
 def _arguments(function: ast.FunctionDef) -> tuple[str, ...]:
-    taken = function.args
-    names = tuple(argument.arg for argument in (*taken.posonlyargs, *taken.args))
-    others = [argument.arg for argument in (taken.vararg, *taken.kwonlyargs, taken.kwarg) if argument]
-    for name in (*names, *others):
-        if name not in LAW_ARGUMENTS or name in others:
+    parameters = function.args
+    names = tuple(argument.arg for argument in (*parameters.posonlyargs, *parameters.args))
+    other_parameters = (parameters.vararg, *parameters.kwonlyargs, parameters.kwarg)
+    other_names = [argument.arg for argument in other_parameters if argument]
+    for name in (*names, *other_names):
+        if name not in LAW_ARGUMENTS or name in other_names:
             raise LawError(f"{function.name} takes {name}; it can take {', '.join(LAW_ARGUMENTS)}")
     return names
 

@@ -21,7 +21,7 @@ LONG = {"comb", "dist", "factorial", "fsum", "isqrt", "lcm", "perm", "prod", "su
 constant with such a function could take long."""
 MATH = {name for name in dir(math) if name[0] != "_"} - LONG
 """The names of ``math``, functions and constants, that a law can use."""
-ALLOWED = (
+ALLOWED_SYNTAX = (
     "a law's file can have: import math, constants, and functions with arithmetic, comparisons, if, for, "
     f"while, the functions of math, {', '.join(FUNCTIONS)} and those of the file"
 )
@@ -64,10 +64,11 @@ def check_syntax(tree: ast.Module, source: str) -> None:
         _check_common(node)
     refused = next(_refused(tree), None)
     if refused is not None:
-        segment = " ".join((ast.get_source_segment(source, refused) or type(refused).__name__).split())
-        shown = segment.encode("ascii", "backslashreplace").decode()
-        shown = shown if len(shown) <= LONGEST_QUOTE else f"{shown[: LONGEST_QUOTE - 3]}..."
-        raise LawError(f"has {shown} in line {_line(refused)}; {ALLOWED}")
+        segment_text = " ".join((ast.get_source_segment(source, refused) or type(refused).__name__).split())
+        shown_text = segment_text.encode("ascii", "backslashreplace").decode()
+        if len(shown_text) > LONGEST_QUOTE:
+            shown_text = f"{shown_text[: LONGEST_QUOTE - 3]}..."
+        raise LawError(f"has {shown_text} in line {_line(refused)}; {ALLOWED_SYNTAX}")
 
 
 def _check_common(node: ast.AST) -> None:
@@ -135,33 +136,33 @@ class _Names:
 
     def allow(self, node: ast.AST) -> bool:
         """Return whether a node, whose type is in NODES, keeps the other rules, without its children."""
-        fine = True
+        is_allowed = True
         match node:
             case ast.Name(id=name):
                 is_name = name in self._all or name in FUNCTIONS or not hasattr(builtins, name)
-                fine = is_name and not name.startswith("__")
+                is_allowed = is_name and not name.startswith("__")
             case ast.Attribute(value=ast.Name(id=name), attr=attribute, ctx=ast.Load()):
-                fine = name in self._math and attribute in MATH
+                is_allowed = name in self._math and attribute in MATH
             case ast.Attribute():
-                fine = False
+                is_allowed = False
             case ast.Subscript(ctx=context):
-                fine = isinstance(context, ast.Load)
+                is_allowed = isinstance(context, ast.Load)
             case ast.Constant(value=value):
-                fine = id(node) in self._texts or value is None or isinstance(value, bool | int | float)
+                is_allowed = id(node) in self._texts or value is None or isinstance(value, bool | int | float)
             case ast.FunctionDef(name=name, decorator_list=decorators, returns=kind):
-                plain = not decorators and not getattr(node, "type_params", None)
-                fine = plain and not name.startswith("__") and _is_annotation(kind)
+                is_plain = not decorators and not getattr(node, "type_params", None)
+                is_allowed = is_plain and not name.startswith("__") and _is_annotation(kind)
             case ast.arg(arg=name, annotation=kind):
-                fine = not name.startswith("__") and _is_annotation(kind)
+                is_allowed = not name.startswith("__") and _is_annotation(kind)
             case ast.AnnAssign(annotation=kind):
-                fine = _is_annotation(kind)
+                is_allowed = _is_annotation(kind)
             case ast.keyword(arg=keyword):
-                fine = keyword is not None
+                is_allowed = keyword is not None
             case ast.ImportFrom(names=aliases):
-                fine = all(alias.name in MATH for alias in aliases)
+                is_allowed = all(alias.name in MATH for alias in aliases)
             case ast.alias(asname=name):
-                fine = not (name or "").startswith("__")
-        return fine
+                is_allowed = not (name or "").startswith("__")
+        return is_allowed
 
     def not_constant(self, value: ast.AST | None, *, calls: bool = True) -> Iterator[ast.AST]:
         """Yield the parts of an expression that a constant must not have.
