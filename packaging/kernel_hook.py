@@ -19,7 +19,10 @@ PLATFORM = "CHAIN_IMPACT_PLATFORM"
 
 
 def kernels() -> ModuleType:
-    """Return the module prebuilt_kernels, without the rest of the package and its requirements."""
+    """Return the module prebuilt_kernels, without the rest of the package and its requirements.
+
+    If the folder of the cache cannot be used, CHAIN_IMPACT_CACHE is set to a new temporary folder.
+    """
     if "chain_impact" not in sys.modules:
         package = ModuleType("chain_impact")
         package.__path__ = [str(PACKAGE)]

@@ -70,7 +70,10 @@ def check(function: Callable[[], str | None]) -> Callable[[], str | None]:
 
 
 def run(*arguments: str, expected: int = 0) -> str:
-    """Run the command line in a separate process, or in this one if it has traps; return the output."""
+    """Run the command line in a separate process, or in this one if it has traps; return the output.
+
+    The exit code must be ``expected``, else the check fails with the output in its message.
+    """
     if "--traps" in sys.argv:
         with redirect_stdout(io.StringIO()) as printed:
             try:

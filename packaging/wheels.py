@@ -27,10 +27,10 @@ class ReleaseError(Exception):
 
 
 def built(target: str, folder: Path, platform: str = "") -> Path:
-    """Build a wheel or the source distribution; return its path.
+    """Build a wheel or the source distribution into ``folder``; return its path.
 
     Raises:
-        ReleaseError: when that fails.
+        ReleaseError: when that fails, or adds more than one file to the folder.
     """
     settings = {PLATFORM: platform, kernels().prebuilt.RELEASE: "1", "SOURCE_DATE_EPOCH": DATE}
     before = set(folder.iterdir())
@@ -81,7 +81,7 @@ def check_all(files: list[Path]) -> None:
 
 
 def main() -> None:
-    """Build, check, and print sizes and SHA-256 sums."""
+    """Build and check all files, and print their sizes and SHA-256 sums; the first error ends the program."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -1,9 +1,9 @@
 """The two programs that make a library: numba's front end, which writes LLVM code, and zig's C compiler.
 
 numba lowers the kernel once (lower.py), without counts; ``add_prelude`` adds LLVM code with the counts.
-zig compiles the kernel, and links it with the C interface of native FMUs (c_interface/), which is the same
-for every scene, and with the functions that the kernel declares but does not define: the hooks
-(kernel/hooks.py), which carry derivatives or do nothing, and a user's contact law or a substitute.
+zig compiles the kernel, and links it with two kinds of other code. The C interface of native FMUs
+(c_interface/) is the same for every scene. The functions that the kernel declares but does not define are the
+hooks (kernel/hooks.py), which carry derivatives or do nothing, and a user's contact law or a substitute.
 """
 
 from __future__ import annotations
@@ -79,8 +79,8 @@ class AnyLinks(Enum):
 
 
 KernelScope = int | tuple[int, ...] | AnyLinks
-"""The scenes that a kernel can run: those with a number of links and without rare features, those with all
-counts and flags of a tuple, in the order at the start of a record, or those of ``AnyLinks``."""
+"""The scenes that a kernel can run. A number: those with this number of links and without rare features; a
+tuple: those with these counts and flags, in the order at the start of a record; else those of AnyLinks."""
 # C code of a function that does nothing; the first braces stand for the name of the function
 STUB_CODE = '__attribute__((visibility("hidden"))) void {}(void) {{}}\n'
 
@@ -341,7 +341,8 @@ def _windows_flags() -> list[str]:
 def _run(*arguments: str, **settings: str) -> subprocess.CompletedProcess[str]:
     """Run Python without the user's settings of numba, and without modules from the present folder.
 
-    ``arguments`` are those of Python, ``settings`` additional environment variables.
+    ``arguments`` are those of Python, ``settings`` additional environment variables. The result has the exit
+    code, which is not checked (``_check``), and the output as text.
     """
     kept_settings = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA_")}
     with TemporaryDirectory() as nowhere:
@@ -357,6 +358,7 @@ def _run(*arguments: str, **settings: str) -> subprocess.CompletedProcess[str]:
 
 
 def _check(process: subprocess.CompletedProcess[str]) -> None:
+    """Raise a BuildError with the program's messages if numba or zig has failed."""
     if process.returncode != 0:
         program = "zig" if "ziglang" in process.args else "numba"
         raise BuildError(f"could not compile the kernel: {program} said:\n{process.stderr}")

@@ -88,7 +88,7 @@ def _checked_function(law: UserLaw) -> Callable[..., float]:
 
 
 def _reason(error: NumbaError) -> str:
-    """Return the line of numba's message that names the fault, and the last line number in the message."""
+    """Return the line of numba's message that names the fault, and the message's last line number, if any."""
     # this removes the codes that colour the message in a terminal
     text = re.sub(r"\x1b\[\d*m", "", str(error))
     lines = [line.strip() for line in text.splitlines() if line.strip()]

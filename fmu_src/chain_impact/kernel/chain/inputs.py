@@ -177,8 +177,8 @@ def inputs_continue(d):
 def limit_to_input_piece(d, h):
     """Return a size ≤ h with which the next step does not pass the end of the present piece of the inputs.
 
-    The step ends at the piece's end or well before (``limit_to_time``). If the step is through a regularized
-    contact, or the inputs are constant, the result is h.
+    The step ends at the piece's end or well before (``limit_to_time``). If the inputs are constant, the
+    result is h; also if the contact is regularized, although the step may then pass the end.
     """
     if d.inputs.piece.degree == 0 or is_regularized(d):
         return h

@@ -107,7 +107,7 @@ def fastest_wall(d):
 
 
 def travel_of_piece(d):
-    """Estimate how far [m] any channel moves from its position at the middle of the present piece of inputs.
+    """Return an estimate of how far [m] any channel moves from its position at the middle of the used piece.
 
     The estimate is the sum of two numbers: the largest sum |c₁| + |c₂| + … of the coefficients of any
     channel's polynomial, and ``travel_of_sines``, the sum of the amplitudes of all channels that sines drive.
@@ -122,7 +122,7 @@ def travel_of_piece(d):
 
 
 def travel_of_sines(d):
-    """Estimate the sum [m] of the amplitudes of all motions of base, walls and belts that sines drive.
+    """Return an estimate of the sum [m] of the amplitudes of all prescribed motions that sines drive.
 
     An amplitude is that of a position: a sine that gives a velocity is integrated once, a sine that gives an
     acceleration twice.

@@ -237,7 +237,7 @@ def add_impedance(row, impedance, amount):
 
 
 def clearance_and_rate(d, c):
-    """Return clearance g [m] and ġ [m/s] of c at located points; at a joint's stop angle × lever arm."""
+    """Return clearance g [m] and ġ [m/s] of c at located points; at a joint's stop g is angle × lever arm."""
     row = normal_row(d, c)
     clearance = dot(row, d.scratch.position) - d.candidate.offset[c] - d.candidate.radius[c]
     clearance_rate = dot(row, d.scratch.velocity)

@@ -40,7 +40,7 @@ def limit_to_signal_segment(d, h):
     """Return a size ≤ h of the next step, with which it does not pass the first end of the segments in use.
 
     The step ends exactly at that time or well before it (``limit_to_time``). A step in the fictitious time of
-    a contact keeps the size h.
+    a contact keeps the size h; if it passes that time, ``end_at_segment`` cuts it.
     """
     return h if is_regularized(d) else limit_to_time(d, first_segment_end(d), h)
 

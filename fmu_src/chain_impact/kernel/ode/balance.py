@@ -184,7 +184,7 @@ def check_energy(d, theta):
 
     If the step loses more than NOTABLE_LOSS of its allowed loss (``loss_allowed``), its loss divided by the
     allowed loss counts as an error of the step. A quotient above 1 rejects the step, unless the loss is only
-    round-off; then, and if the quotient is smaller, it affects the size of the next step.
+    round-off: then the quotient counts as 1. A quotient up to 1 affects the size of the next step.
 
     Returns:
         Two energies [J] for ``store_energy``: the energy balance at θ; and the available energy, which is the

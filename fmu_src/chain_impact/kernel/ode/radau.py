@@ -95,7 +95,7 @@ FAILED_CORRECTION = 1e20
 
 
 def lagrange_polynomial(first, m, x):
-    """Return at x the polynomial that is 1 at START_AND_NODES[m], and 0 at k ≠ m from ``first`` on."""
+    """Return at x the polynomial that is 1 at START_AND_NODES[m], and 0 at the others from ``first`` on."""
     value = 1.0
     for k in range(first, RADAU_STAGES + 1):
         if k != m:
