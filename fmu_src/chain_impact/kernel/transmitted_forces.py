@@ -312,7 +312,7 @@ def search_peaks(d, time, peak_at_end):
 
 @has_dual_rule
 def time_of_peak(_d, time, _fraction_or_time):
-    """Return the ``time`` [s] of a peak, which lies at ``_fraction_or_time``, of or in the last step.
+    """Return the ``time`` [s] of a peak; ``_fraction_or_time`` is where in the last step the peak lies.
 
     In a tangent instance, the time has derivatives if the fraction or time has any: at an event and at the
     maximum of a parabola. Otherwise the derivatives are NaN: the peak shifts, but a sample of it does not.
@@ -337,8 +337,8 @@ def raise_largest(d, i, square, time):
 def rises_between(left, top, right, highest):
     """Return whether a quantity with three equidistant samples may exceed ``highest`` between them.
 
-    The result is true if the parabola through the samples ``left``, ``top`` and
-    ``right`` has a maximum between the outer samples that exceeds NEAR_PEAK times ``highest``.
+    The result is true if the parabola through the samples ``left``, ``top`` and ``right`` has a maximum
+    between the outer samples that exceeds NEAR_PEAK times ``highest``.
     """
     slope_fall = 2.0 * top - left - right
     # the parabola through the samples has no maximum between the outer samples

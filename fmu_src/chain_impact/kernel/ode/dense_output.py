@@ -138,7 +138,7 @@ def regularized_fraction(d, elapsed):
 
 
 def _basis_bounds():
-    """Return the largest |value| and the largest |slope| of each basis function, from samples of [0, 1]."""
+    """Return the largest |value| and |slope| of each basis function on [0, 1], up to 1e-7, from samples."""
     theta = np.linspace(0.0, 1.0, 10001)
     remaining = 1.0 - theta
     values = [theta**p * remaining**q for p, q in BASIS_POWERS]
