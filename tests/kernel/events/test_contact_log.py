@@ -164,7 +164,7 @@ def test_a_step_that_lands_on_the_turn_is_deepest_there(approach_only, event, la
 @pytest.mark.parametrize("until", [1.0, 0.5])
 def test_a_maximum_is_found_by_parabolas_wherever_it_is(height, until):
     d, _ = pressed(height)
-    found = contact_log.largest_penetration(d, 1, 0.5 * until, 0.5 * until, until)
+    found = contact_log.find_largest_penetration(d, 1, 0.5 * until, 0.5 * until, until)
     tops = np.polynomial.polynomial.polyroots(np.polynomial.polynomial.polyder(height))
     places = [0.0, until, *(t.real for t in tops if abs(t.imag) < 1e-12 and 0.0 < t.real < until)]
     most, place = max((depth(t, height), t) for t in places)
