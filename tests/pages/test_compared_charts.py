@@ -79,6 +79,7 @@ def test_a_stiff_pin_does_not_flatten_the_curve_of_the_present_contact(show):
         assert page.text_content("#contact-name").endswith(told) is is_cut
         page.get_by_role("button", name="F(δ)").click()
         assert page.text_content("#contact-name").endswith(told) is is_cut
+        assert ("; A: loss\xa0" in page.text_content("#contact-name")) is not is_cut, "of the pin, too"
         page.get_by_role("button", name="F(δ)").click()
 
 

@@ -275,8 +275,7 @@ export class ForceChart extends Chart {
     const isKnown = hasCurve || this.impulses || this.curves.length > 0;
     this.element.hidden = !isKnown;
     this.loopButton.hidden ||= !isKnown;
-    // the loop of a contact that lasts until the end of the run is open
-    this.loss = this.loop && Number.isFinite(contact.separation_speed ?? NaN) ? lossText(own) : "";
+    this.loss = this.#lossOf(contact, own);
     this.#tell(lines, hasCurve, high, rubs);
   }
 
@@ -346,16 +345,22 @@ export class ForceChart extends Chart {
   }
 
   /**
-   * Return the `points` of the curve of a compared recording at the partner of a contact, with `end`, the duration of the partner, and, if
-   * it is doubtful that the two contacts belong together, `why`; without a curve, only `why`.
+   * Return the `points` of the curve of a compared recording at the partner of a contact, with `end`, the duration of the partner, and
+   * words `why`: on the loss or, if it is doubtful that the two contacts belong together, on this; without a curve, only `why`.
    */
   #courseIn(other, contact) {
     const { partner, isDoubtful } = partnerOf(contact, this.recording, other);
     if (!partner) return { why: "no such impact near" };
-    const { times, penetration, force } = courseAround(other, partner);
+    const course = courseAround(other, partner);
+    const { times, penetration, force } = course;
     if (this.loop && !penetration) return { why: "no known penetration" };
     if (!force.some((value) => value > 0)) return { why: hasImpulseOnly(partner) ? ONLY_IMPULSE : NO_COURSE };
     const points = [this.loop ? penetration : times, force];
-    return { points, end: partner.end - partner.onset, ...(isDoubtful && { why: DOUBTFUL_PAIR }) };
+    return { points, end: partner.end - partner.onset, why: isDoubtful ? DOUBTFUL_PAIR : this.#lossOf(partner, course) };
+  }
+
+  /** Return words for the energy that a contact loses; "" over time, or if the contact lasts until the end of the run: its loop is open. */
+  #lossOf({ separation_speed }, course) {
+    return this.loop && Number.isFinite(separation_speed ?? NaN) ? lossText(course) : "";
   }
 }
