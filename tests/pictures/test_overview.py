@@ -156,6 +156,12 @@ def test_the_colours_of_the_motion_are_those_of_the_axis_of_time():
     assert strip.get_extent() == [0.0, 2.0, 0, 1]
 
 
+@pytest.mark.parametrize(("width", "sizes"), [(84 / 25.4, (9.0, 7.5)), (190 / 25.4, (11.0, 9.0))])
+def test_text_of_a_column_is_smaller_than_that_of_a_whole_page(width, sizes):
+    page = recorded("rod_drop").plot(size=(width, None), panels=["motion", "energy"])
+    assert (page._suptitle.get_fontsize(), page.axes[0].xaxis.label.get_fontsize()) == sizes
+
+
 @pytest.mark.full("takes long")
 def test_fonts_follow_the_settings_of_matplotlib():
     with mpl.rc_context({"font.size": 7.0, "figure.titlesize": 8.0, "font.family": "serif"}):

@@ -179,6 +179,23 @@ def test_a_picture_for_a_column_is_low_and_has_one_axis_of_time(model):
     check_texts(page)
 
 
+@pytest.mark.full("more cases", but=1)
+@pytest.mark.parametrize(
+    ("model", "least"), [("four_link_box", 0.28), ("rocking_block", 0.25), ("stick_slip_belt", 0.22)]
+)
+def test_a_picture_for_a_column_gives_its_height_to_the_motion(model, least):
+    page = page_of_width(model, 84)
+    page.draw_without_rendering()
+    (motion,) = (axes for axes in page.axes if axes.get_label() == "motion")
+    assert motion.get_window_extent().height > least * page.bbox.height
+    heads = [
+        legend.get_window_extent().height
+        for axes in page.axes
+        if (legend := axes.get_legend()) and legend.get_window_extent().x0 < axes.get_window_extent().x1 - 1.0
+    ]
+    assert page._suptitle.get_window_extent().height + sum(heads) <= 0.15 * page.bbox.height
+
+
 @pytest.mark.full("takes long")
 @pytest.mark.parametrize("model", ["kneed_leg", "hopping_leg"])
 def test_numbers_below_a_motion_that_is_narrower_than_its_panel_keep_apart(model):

@@ -44,7 +44,6 @@ HIGH_MOTION = 0.95
 # the largest factors (``view_of``) with which the view grows if the motion has the whole width of the figure
 WHOLE_WIDTH = (1.25, GROWTH_FACTORS[1])
 NUMBER_BAND = 30.0  # [points] how far a picture shows the area beyond a wall, with numbers of impacts
-NARROW_NUMBER_BAND = 36.0  # [points] the same in a narrow figure
 MOST_BAND = 0.35  # the largest width of this area, relative to the shorter side of the view without margins
 
 
@@ -141,7 +140,7 @@ def _settle_motion(
             break
     motion.clear()
     side = max(room.height, min(width, room.height * ratio)) * 72.0 / figure.dpi
-    band = min((NARROW_NUMBER_BAND if is_small else NUMBER_BAND) / side, MOST_BAND / max(ratio, 1.0 / ratio))
+    band = min(NUMBER_BAND / side, MOST_BAND / max(ratio, 1.0 / ratio))
     draw_motion(motion, recording, room.height / width, band, WHOLE_WIDTH if is_alone else GROWTH_FACTORS)
     if has_own_legend:
         put_legend(motion, entries_of(motion))

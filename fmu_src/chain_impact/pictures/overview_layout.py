@@ -28,7 +28,7 @@ BROAD = 1.0  # the largest ratio that the panel of motion has beside other panel
 BROADEST_BESIDE = 1.6
 # on a figure with a width of COLUMN or less, a motion with a larger ratio has a lower panel than
 # MOTION_ABOVE_HEIGHT
-BROADEST_HIGH = 2.3
+BROADEST_HIGH = 1.8
 # BROADEST_WITH_LEGEND: a motion in a wide figure with at most this ratio has its legend at its right;
 # LEAST_SLIM: the least ratio that the panel of such a motion has, without the legend
 BROADEST_WITH_LEGEND, LEAST_SLIM = 1.0, 0.45
@@ -39,7 +39,7 @@ WIDE_HEIGHT, NARROW_HEIGHT = 0.46, 0.55
 # CLOCK_SHARE: the height of the axis that shows the colours of time; MOTION_ABOVE_HEIGHT: the largest height
 # of the panel of motion above other panels, on a figure with a width of COLUMN or less. Both are relative to
 # the height of the panel of energies.
-CLOCK_SHARE, MOTION_ABOVE_HEIGHT = 0.06, 2.2
+CLOCK_SHARE, MOTION_ABOVE_HEIGHT = 0.06, 2.8
 ROWS_IN_COLUMN = 1.6  # see ``heights_of``
 # the largest height of the panel of motion, relative to the width of the figure, if the user gives no height
 HIGHEST = 0.4  # from TWO_COLUMN_WIDTH on

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
 
+from chain_impact.pictures.drawing.axis_labels import numbers_meet
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.sweep.effects import effects_on
 from chain_impact.pictures.sweep.histograms import edges_of, rank_correlation
@@ -54,7 +55,8 @@ def test_a_choice_of_samples_has_a_box_with_its_median():
     vary = {"contact.stiffness": "1e6:1e9:log", "contact.model": "flores,zhang_sharf"}
     page = sweep_page(sweep(SCENE, vary, samples=16))
     axes = page.axes[-2]
-    assert axes.get_xlabel() == "contact.model; sideways: spread only"
+    named = axes.get_xlabel().replace("\n", "; ")
+    assert named == "contact.model; box: middle half and median; sideways: spread only"
     names = [label.get_text() for label in axes.get_xticklabels()]
     for name, box, median in zip(names, axes.patches, axes.collections, strict=True):
         inside = [y for x, y in axes.lines[0].get_xydata() if abs(x - names.index(name)) < 0.5]
@@ -62,8 +64,18 @@ def test_a_choice_of_samples_has_a_box_with_its_median():
         assert level == pytest.approx(np.median(inside))
         assert box.get_y() == pytest.approx(np.quantile(inside, 0.25))
     assert "1e6" not in page.texts[1].get_text()  # the axis shows the range
-    assert [text.get_text() for text in page.legends[0].get_texts()] == ["middle half and median"]
+    assert not page.legends
     assert "dashed: value in the scene" in page.texts[1].get_text()
+
+
+def test_long_names_of_choices_are_level_in_a_column_of_a_page():
+    laws = "hertz,hunt_crossley,lankarani_nikravesh,zhang_sharf"
+    vary = {"contact.stiffness": "1e6:1e9:log", "contact.model": laws}
+    page = sweep(SCENE, vary, samples=24).plot(size=(84 / 25.4, None))
+    labels = page.axes[-2].get_xticklabels()
+    assert {"hunt_\ncrossley", "zhang_\nsharf"} <= {label.get_text() for label in labels}
+    assert not any(label.get_rotation() for label in labels)
+    assert not numbers_meet(page.axes[-2].xaxis)
 
 
 def test_the_text_tells_a_course_that_falls_and_rises():

@@ -2,6 +2,7 @@
 
 # Tests: pictures/sweep/layout.py, pictures/sweep/message.py
 
+import matplotlib as mpl
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
@@ -168,7 +169,8 @@ def test_a_narrow_headline_is_balanced_and_written_once(monkeypatch):
         plot, "headline_parts", lambda *args, **is_small: written.append(1) or real(*args, **is_small)
     )
     found = sweep(SCENE, {"contact.restitution": "0.3:0.9:5", "contact.stiffness": "1e6:1e9:5:log"})
-    page = found.plot(size=(84 / 25.4, None))
+    with mpl.rc_context({"figure.titlesize": 11.0}):
+        page = found.plot(size=(84 / 25.4, None))
     lines = page.get_suptitle().split("\n")
     assert len(lines) == 3
     assert min(map(len, lines)) > 0.7 * max(map(len, lines))

@@ -20,7 +20,8 @@ def headline(comparison: LawRuns[LawRecording], *, is_small: bool = False) -> st
     The ranges are those of the laws with a force that depends on e (``laws_with_e``). If the e′ do not
     describe the contact alone (``has_restitution``), the headline has only the peak forces. A law under which
     the impact does not end has no e′; if no law has an e′, the headline tells only that the impact does not
-    end.
+    end. A headline is a sentence.
+
     ``is_small``: whether the headline is for a narrow figure, and must be short: it then has one range, and
     ``rest_of_headline`` has the rest.
     """
@@ -28,18 +29,18 @@ def headline(comparison: LawRuns[LawRecording], *, is_small: bool = False) -> st
     restitutions = [run.restitution for run in runs if math.isfinite(run.restitution)]
     if not comparison.has_restitution:
         if is_small:
-            return f"{name}: {peaks(comparison, runs)}"
-        impact_text = f" in the {compared_impact(comparison.scene)}"
-        return f"{name}: {peaks(comparison, runs)}{impact_text}, {law_count_text(runs, _peak_count(runs))}"
+            return f"{name}: {peaks(comparison, runs, verb='is ')}"
+        impact_text = f"in the {compared_impact(comparison.scene)}"
+        return f"{name}: {_reach_text(runs, _peak_count(runs))} {peaks(comparison, runs)} {impact_text}"
     if not restitutions:
         return f"{name}: the first impact does not end under any law"
     ends = dict.fromkeys((f"{min(restitutions):.2f}", f"{max(restitutions):.2f}"))
-    restitution_text = f"restitution {' to '.join(ends)}"
+    range_text = " to ".join(ends)
     if is_small:
-        return f"{name}: {restitution_text}"
-    ranges_text = ", ".join(filter(None, (restitution_text, peaks(comparison, runs))))
-    impact_text = f" in the first impact, {law_count_text(runs, len(restitutions))}"
-    return f"{name}: {ranges_text} for e = {e:g}{impact_text}"
+        return f"{name}: restitution is {range_text}"
+    ranges_text = " and ".join(filter(None, (f"restitution {range_text}", peaks(comparison, runs))))
+    laws_text = _reach_text(runs, len(restitutions))
+    return f"{name}: {laws_text} {ranges_text} in the first impact, for e = {e:g}"
 
 
 def rest_of_headline(comparison: LawRuns[LawRecording]) -> str:
@@ -53,6 +54,11 @@ def rest_of_headline(comparison: LawRuns[LawRecording]) -> str:
         return law_count_text(runs, _peak_count(runs))
     is_told = any(math.isfinite(run.restitution) for run in runs)
     return f"{top} for e = {e:g}" if is_told and (top := peaks(comparison, runs)) else ""
+
+
+def _reach_text(runs: Sequence[LawRecording], count: int) -> str:
+    """Return the subject and the verb of a headline: "16 laws with losses reach"."""
+    return f"{law_count_text(runs, count)} {'reaches' if count == 1 else 'reach'}"
 
 
 def _peak_count(runs: Sequence[LawRecording]) -> int:
@@ -77,12 +83,15 @@ def law_count_text(law_runs: Sequence[LawRecording], count: int) -> str:
     )
 
 
-def peaks(comparison: LawRuns[LawRecording], runs: Sequence[LawRecording]) -> str:
-    """Return words for the range of the peak forces or moments of ``runs`` that are above 0, or ""."""
+def peaks(comparison: LawRuns[LawRecording], runs: Sequence[LawRecording], verb: str = "") -> str:
+    """Return words for the range of the peak forces or moments of ``runs`` that are above 0, or "".
+
+    ``verb``: a word before the range, with a space at its end.
+    """
     peak_forces = [run.peak_force for run in runs if run.peak_force > 0.0]
     unit = unit_at("peak_force", is_stop=comparison.is_at_stop)
     if not peak_forces:
         return ""
     factor, unit = load_unit(max(peak_forces), unit)
     ends = with_unit(span_text(factor * min(peak_forces), factor * max(peak_forces)), unit)
-    return f"peak {'moment' if comparison.is_at_stop else 'force'} {ends}"
+    return f"peak {'moment' if comparison.is_at_stop else 'force'} {verb}{ends}"

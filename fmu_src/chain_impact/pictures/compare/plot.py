@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import PathCollection, PolyCollection
+from matplotlib.collections import PathCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from chain_impact.pictures.compare.grey_loops import HAIRLINE, draw_grey_loops
+from chain_impact.pictures.compare.grey_loops import draw_grey_loops
 from chain_impact.pictures.compare.headline import headline, laws_with_e, peaks, rest_of_headline
 from chain_impact.pictures.compare.looks import REFERENCE_LAYER, Looks, are_loops_equal, brief_names, looks_of
 from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, dash_lines, draw_band
@@ -346,10 +346,4 @@ def legend_handles(looks: Looks, *panels: Axes) -> list[Any]:
     bands: list[Any] = [collection for axes in panels for collection in axes.collections]
     drawn_styles = [styles[label] for label in lines if label in styles]
     keys = [band for band in bands if str(band.get_label())[:1] != "_"]
-    # without an area in the panel of loops, the entry of an area is a thin line, as there
-    if not any(isinstance(area, PolyCollection) for area in panels[-1].collections):
-        line: dict[str, Any] = {"color": GREY, "linewidth": 2.0 * HAIRLINE}
-        areas = [k for k, key in enumerate(keys) if isinstance(key, PolyCollection)]
-        for k in areas:
-            keys[k] = Line2D([], [], label=keys[k].get_label(), **line)
     return [*drawn_styles, *keys]

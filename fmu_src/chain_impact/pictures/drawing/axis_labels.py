@@ -45,7 +45,7 @@ def look_like_one(first_box: Bbox, second_box: Bbox) -> bool:
     ``first_box`` is the rectangle of the left number, ``second_box`` that of the right number, both in
     pixels.
     """
-    return bool(first_box.x1 + TICK_SPACE * first_box.height > second_box.x0)
+    return bool(first_box.x1 + TICK_SPACE * min(first_box.height, second_box.height) > second_box.x0)
 
 
 def break_labels(figure: Figure, wanted_axes: Sequence[Axes] | None = None) -> bool:
@@ -87,14 +87,17 @@ def thin_ticks(axes: Axes) -> None:
 
     The number nearest to 0 stays if two numbers have room beside each other; else both ends have numbers.
 
-    Names of choices that would overlap are turned by 90°. Only these, and axes with ticks from a
-    MaxNLocator, as by default, are changed.
+    Names of choices that would overlap are broken after "_" and, if that is not enough, turned by 90°. Only
+    these, and axes with ticks from a MaxNLocator, as by default, are changed.
     """
     if not numbers_meet(axes.xaxis):
         return
     if not isinstance(axes.xaxis.get_major_locator(), MaxNLocator):
-        if any(text.get_text()[:1].isalpha() for text in numbers_in_view(axes.xaxis)):
-            axes.tick_params(axis="x", rotation=90)
+        choices = [text.get_text() for text in axes.get_xticklabels()]
+        if any(choice[:1].isalpha() for choice in choices):
+            axes.set_xticks(axes.get_xticks(), [choice.replace("_", "_\n") for choice in choices])
+            if numbers_meet(axes.xaxis):
+                axes.tick_params(axis="x", rotation=90)
         return
     axes.locator_params(axis="x", nbins=LEAST_TICKS, min_n_ticks=LEAST_TICKS, steps=COARSE_STEPS)
     if numbers_meet(axes.xaxis):

@@ -32,6 +32,7 @@ from chain_impact.pictures.drawing.style import (
     drawing_style,
     drawn_figure,
     save,
+    type_for,
 )
 
 FIGURE_SIZE = (FULL_WIDTH, 5.4)  # [inch] the default width and height of a figure
@@ -85,6 +86,17 @@ def draw_figure(
         ValueError: when the given size is not possible, or has no room for the contents.
         OSError: when the file cannot be written.
     """
+    with type_for(usual_size[0] if size is None else figure_size(size)[0]):
+        return _draw_in_type(draw_contents, path, size, usual_size)
+
+
+def _draw_in_type(
+    draw_contents: DrawContents,
+    path: str | os.PathLike[str] | None,
+    size: Size | None,
+    usual_size: tuple[float, float],
+) -> Figure | None:
+    """Draw a figure as ``draw_figure`` does, with the settings of text in use."""
     inches, is_free = usual_size, False
     if size is not None:
         width, height = figure_size(size)

@@ -77,6 +77,9 @@ STYLE: Any = {
     # without hinting the width of text does not depend on the resolution, so one layout fits all resolutions
     "text.hinting": "none",
 }
+# The settings of text in a narrow figure, in place of those in STYLE: a figure as wide as a column is printed
+# in its own size, for which journals ask for text of 5 to 9 points.
+NARROW_TYPE: Any = {"font.size": 7.5, "figure.titlesize": 9}
 # Settings with which a picture in a new figure is drawn: black on white, whatever the user's style is.
 # If the user's style is dark, ``adapt_to_dark_style`` changes the colours afterwards.
 COLOURS: Any = {
@@ -92,10 +95,8 @@ DPI = 160
 FULL_WIDTH = 10.0  # [inch] the usual width of a figure
 TWO_COLUMN_WIDTH = 6.0  # [inch] the least width for two columns of axes
 COLUMN = 3.5  # [inch] the largest width of a figure for one column of a printed page
-LEFT_MARGIN, TOP_MARGIN = (
-    0.12,
-    0.08,
-)  # [inch] distance of the headline from the left and the upper edge of the figure
+# [inch] distance of the headline from the left and the upper edge of the figure
+LEFT_MARGIN, TOP_MARGIN = 0.12, 0.08
 # [inch] GAP: space below the headline, and below the conditions; LINE_GAP: space between two of the coloured
 # lines below the headline
 GAP, LINE_GAP = 0.09, 0.02
@@ -125,6 +126,14 @@ def drawing_style(colours: dict[str, str] = COLOURS) -> Iterator[None]:
         yield
 
 
+@contextmanager
+def type_for(width: float) -> Iterator[None]:
+    """Write in NARROW_TYPE if a figure with a ``width`` [inches] is narrow; a user's settings apply first."""
+    sizes = {key: size for key, size in NARROW_TYPE.items() if mpl.rcParams[key] == mpl.rcParamsDefault[key]}
+    with mpl.rc_context(sizes if width < TWO_COLUMN_WIDTH else {}):
+        yield
+
+
 class StyledFigure(Figure):
     """An empty figure for a picture.
 
@@ -139,7 +148,7 @@ class StyledFigure(Figure):
             options: keywords of a matplotlib figure.
         """
         self.free_height = free_height
-        with drawing_style():
+        with type_for((options.get("figsize") or mpl.rcParams["figure.figsize"])[0]), drawing_style():
             super().__init__(**{"layout": "constrained"} | options)
             new_canvas: Any = FigureCanvasAgg  # matplotlib has no type information for the canvas
             # this canvas keeps its renderer; matplotlib's usual canvas makes one for each text, which is slow
@@ -209,10 +218,8 @@ def write_headline(figure: Figure, message: str, conditions: str = "", *lines: t
     """Write ``message`` above the picture and, in a smaller font below it, ``conditions``.
 
     ``lines`` are pairs of a text and its colour; they stand between message and conditions.
-
-    All texts are broken at the edge of the figure; the font has the same size in all figures. In a narrow
-    figure the conditions stand at the foot. Without room for all of them, none is written
-    (MOST_HEAD, ``write_foot``).
+    All texts are broken at the edge of the figure. In a narrow figure the conditions stand at the foot.
+    Without room for all of them, none is written (MOST_HEAD, ``write_foot``).
     """
     width, height = figure.get_size_inches()
     placement: dict[str, Any] = {"x": LEFT_MARGIN / width, "ha": "left", "in_layout": False}

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from chain_impact.map_colours import WIDE_COLOURS, value_ratio
@@ -44,7 +43,7 @@ MOST_SCATTERS = 3  # the largest number of parameters over which each quantity o
 GOLDEN, DOTS_PART = 0.618034, 0.5
 # BOX_WIDTH: that of the box of a choice, relative to the distance of two choices; BOX_LINE: [points]
 BOX_WIDTH, BOX_LINE = 0.6, 0.9
-BOX_TEXT, SPREAD_NOTE = "middle half and median", "; sideways: spread only"
+CHOICE_NOTE = "; box: middle half and median; sideways: spread only"  # at the axis of a choice
 FEWEST_PAIRS = 3  # the correlation of fewer than FEWEST_PAIRS pairs of values counts as 0
 # the largest number of bars; narrower bars would show mainly random differences
 MOST_BINS = 60
@@ -101,7 +100,7 @@ def draw_samples(
     If a sum of effects describes the quantity well (TRENDING), the heading of each panel with dots tells the
     effect of its parameter; and in all of these panels but the first, the dots show the quantity without the
     effects of all other parameters, which would hide this effect. All panels with dots of a quantity have the
-    same vertical axis. Marks of the panels are explained in a legend at the foot of the figure.
+    same vertical axis. A legend at the foot of the figure explains rings.
     """
     panels_per_quantity, drawn_variations = len(panels) // len(quantities), drawn_parameters(runs, variations)
     draw_histograms(panels[panels_per_quantity - 1 :: panels_per_quantity], runs, quantities)
@@ -122,8 +121,6 @@ def draw_samples(
             name_above(axes, heading)
         _share_vertical_axis(choice_panels)
     keys: list[Any] = []
-    if any(variation.choices for variation in drawn_variations):
-        keys.append(Patch(facecolor="none", edgecolor=INK, linewidth=BOX_LINE, label=BOX_TEXT))
     if any(quantity.is_without_touch(runs).any() for quantity in quantities):
         keys.append(Line2D([], [], label=NO_IMPACT, **RING))
     figure = panels[0].get_figure(root=True)
@@ -220,7 +217,7 @@ def _scatter(
     size = SMALL_DOT if len(runs) > MANY_SAMPLES else 4.0
     axes.plot(parameter_values, shown_values, ".", color=BLUE, markersize=size, rasterized=True)
     mark_at_foot(axes, np.asarray(parameter_values)[quantity.is_without_touch(runs)], RING)
-    axes.set_xlabel(label_of(runs, variation) + (SPREAD_NOTE if variation.choices else ""))
+    axes.set_xlabel(label_of(runs, variation) + (CHOICE_NOTE if variation.choices else ""))
     finite_values = shown_values[np.isfinite(shown_values)]
     if finite_values.size and value_ratio(finite_values) >= WIDE_COLOURS and not quantity.is_count:
         axes.set_yscale("log")

@@ -8,6 +8,7 @@ import numpy as np
 
 from chain_impact.progress import no_progress
 from chain_impact.results.result import Result
+from chain_impact.simulation.held_motions import holds_motions
 from chain_impact.simulation.inputs import input_schedule
 from chain_impact.simulation.run import Run
 from chain_impact.studies.fit.estimates import Estimates
@@ -32,10 +33,14 @@ def model_run(fit: Estimates, k: int) -> Result:
     prepared_scene = PreparedScene(scene.with_values({"simulation.stop_time": stop_time}))
     points = np.union1d(data.times[data.times < stop_time], [0.0, stop_time])
     schedule = input_schedule(prepared_scene, inputs, fit.interpolation, points)
-    run = Run(prepared_scene, (), schedule, prepared_scene.output_indices)
+    times = np.linspace(0.0, stop_time, CURVE_POINTS + 1)
+    is_held = holds_motions(schedule)  # then rows between the communication points need a second run
+    run_schedule = schedule if is_held else schedule.with_times(times)
+    run = Run(prepared_scene, (), run_schedule, prepared_scene.output_indices)
     run.execute(no_progress)
     result = run.result((), None)
+    if not is_held:
+        return result
     assert result.rerun is not None  # only a stored result lacks it
-    times = np.linspace(0.0, stop_time, CURVE_POINTS + 1)
     outputs = result.rerun(times)
     return replace(result, time=times[: len(outputs)], outputs=outputs, stepwise={})
