@@ -31,7 +31,7 @@ _MODULES = {
     "simulation.chain": ("Chain",),
     "simulation.derivatives": ("Differentiated", "DifferentiatedRun"),
     "simulation.errors": ("RunError", "SimulationError"),
-    "simulation.inputs": ("Signal",),
+    "simulation.given_inputs": ("Signal",),
     "simulation.simulate": ("simulate", "with_law"),
     "studies.animate": ("animate", "record_slowly"),
     "studies.compare.compare": ("Comparison", "compare"),

@@ -30,7 +30,7 @@ from chain_impact.simulation.derivatives import Differentiated as Differentiated
 from chain_impact.simulation.derivatives import DifferentiatedRun as DifferentiatedRun
 from chain_impact.simulation.errors import RunError as RunError
 from chain_impact.simulation.errors import SimulationError as SimulationError
-from chain_impact.simulation.inputs import Signal as Signal
+from chain_impact.simulation.given_inputs import Signal as Signal
 from chain_impact.simulation.simulate import simulate as simulate
 from chain_impact.simulation.simulate import with_law as with_law
 from chain_impact.studies.animate import animate as animate

@@ -1,6 +1,6 @@
 """Inputs of ``simulate`` over time: against the equations of motion, against each other, and refusals."""
 
-# Tests: simulation/motions.py, simulation/input_values.py
+# Tests: simulation/given_inputs.py, simulation/motions.py, simulation/input_values.py
 
 import math
 import warnings

@@ -27,7 +27,7 @@ from chain_impact.cli.progress_bar import progress
 from chain_impact.scene.files.models import scene_file_path
 from chain_impact.scene.scene import load_scene
 from chain_impact.scene.settings import with_settings
-from chain_impact.simulation.inputs import INTERPOLATIONS
+from chain_impact.simulation.given_inputs import INTERPOLATIONS
 
 # The name of the stop time. If the command line sets the stop time, only data up to this time are fitted; a
 # stop time in the scene file limits no data.

@@ -36,7 +36,8 @@ from chain_impact.simulation.derivative_limits import (
     REASONS_OF_FRICTION,
 )
 from chain_impact.simulation.errors import SimulationError
-from chain_impact.simulation.inputs import GivenInputs, InputSchedule, input_schedule, inputs_by_name
+from chain_impact.simulation.given_inputs import GivenInputs, Interpolation, named_inputs
+from chain_impact.simulation.inputs import InputSchedule, input_schedule
 from chain_impact.simulation.instance import Instance
 from chain_impact.simulation.output_rows import WordRows
 from chain_impact.variables.indices import first_word, word_index
@@ -291,7 +292,7 @@ class DifferentiatedRun:
         parameters: Sequence[str],
         outputs: Sequence[str],
         inputs: GivenInputs | None = None,
-        interpolation: str = "follow",
+        interpolation: Interpolation = "follow",
     ) -> None:
         """Prepare runs with derivatives of outputs with respect to parameters; both are given by name.
 
@@ -308,9 +309,7 @@ class DifferentiatedRun:
             SimulationError: when the scene cannot start.
         """
         self._prepared_scene = PreparedScene(scene_of(scene))
-        stop_time = self._prepared_scene.scene.simulation.stop_time
-        self._inputs = {} if inputs is None else dict(inputs_by_name(inputs, stop_time))
-        self._interpolation = interpolation
+        self._inputs = named_inputs(inputs, interpolation, self._prepared_scene.scene)
         variables = differentiable_named(self._prepared_scene, parameters)
         self._paths = [variable.set_path for variable in variables]
         columns = columns_named(self._prepared_scene, outputs)
@@ -333,7 +332,7 @@ class DifferentiatedRun:
         """
         instance = self._instance
         times = np.ascontiguousarray(times, float)
-        schedule = input_schedule(self._prepared_scene, self._inputs, self._interpolation, times)
+        schedule = input_schedule(self._prepared_scene, self._inputs, times)
         rows = instance.rows(len(schedule.times), self._words)
         asked_rows = np.searchsorted(schedule.times, times)
         schedule.set(instance.record, 0)

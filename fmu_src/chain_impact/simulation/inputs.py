@@ -5,18 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any, Literal, cast
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from chain_impact.kernel.chain.inputs import CONTINUES, REINITIALIZE
 from chain_impact.scene.asked_inputs import request_hint
 from chain_impact.scene.errors import SceneError
-from chain_impact.scene.files.table_file import TIME, TableSource, gap_hints, read_table, samples_of
 from chain_impact.scene.texts.names import INPUTS_OF, DataPath, input_key
 from chain_impact.scene.warning import warn
 from chain_impact.simulation.approximation import TIME_ERROR, Approximator, NotSmoothError
+from chain_impact.simulation.given_inputs import NamedInputs
 from chain_impact.simulation.input_values import checked_input, finite_value, values_before_jumps
 from chain_impact.simulation.motions import (
     ACCURACY,
@@ -36,15 +35,6 @@ from chain_impact.simulation.targets import still_dampers
 from chain_impact.variables.kind import GIVEN_CHANNEL
 from chain_impact.variables.prepared import PreparedScene
 
-InputSource = float | Callable[[float], float] | tuple[ArrayLike, ArrayLike]
-"""What an input may be given as: a number, a function of the time [s], or a pair (times [s], values), each of
-shape (T,)."""
-Signal = InputSource  # ``Signal`` is the name under which users import this type
-GivenInputs = Mapping[str, InputSource] | TableSource
-"""Name of an input → its value over time; or a table with the column ``time`` and one for each input."""
-Interpolation = Literal["follow", "hold", "linear", "spline"]
-"""How an input acts between its samples, or between calls of its function: see ``simulate``."""
-INTERPOLATIONS = ("follow", "hold", "linear", "spline")
 # [1] the allowed error of a followed input that is no motion, relative to its largest value, is
 # TOLERANCE_SHARE times the solver's tolerance
 TOLERANCE_SHARE = 1e-3
@@ -146,15 +136,12 @@ class InputSchedule:
             given_inputs["pending"] = REINITIALIZE if anew else CONTINUES
 
 
-def input_schedule(
-    prepared_scene: PreparedScene, inputs: GivenInputs, interpolation: str, times: np.ndarray
-) -> InputSchedule:
+def input_schedule(prepared_scene: PreparedScene, inputs: NamedInputs, times: np.ndarray) -> InputSchedule:
     """Return the inputs of a simulation over time, with given communication points.
 
     Args:
         prepared_scene: the scene that the inputs drive.
-        inputs: name of an input of the FMU → its value over time; or a table.
-        interpolation: ``follow``, ``hold``, ``linear`` or ``spline``, see ``simulate``.
+        inputs: the inputs that are given.
         times: communication points, increasing, shape (T,) [s]. The inputs act from t = 0 on, also if the
             first communication point is later.
 
@@ -162,17 +149,13 @@ def input_schedule(
         SceneError: when a name is not an input of the scene, or an input is invalid.
     """
     scene = prepared_scene.scene
-    inputs = inputs_by_name(inputs, scene.simulation.stop_time)
-    if interpolation not in INTERPOLATIONS:
-        *other_interpolations, last = INTERPOLATIONS
-        allowed_text = f"must be {', '.join(other_interpolations)} or {last}"
-        raise SceneError(f"{scene.name}: interpolation = {interpolation!r} {allowed_text}")
+    interpolation = inputs.interpolation
     begins_at_zero = len(times) > 0 and times[0] == 0.0
     grid_times = times if begins_at_zero else np.union1d(0.0, times)
-    if not inputs:
+    if not inputs.sources:
         is_requested = np.ones(len(grid_times), bool) if begins_at_zero else np.isin(grid_times, times)
         return InputSchedule(grid_times, is_requested, (), NO_PIECES, FIRST_ROW, NO_FLAG, NO_FLAG)
-    given_inputs, end = _checked_inputs(prepared_scene, inputs), float(grid_times[-1])
+    given_inputs, end = _checked_inputs(prepared_scene, inputs.sources), float(grid_times[-1])
     channels = channels_of(prepared_scene) if interpolation != "hold" and end > 0.0 else []
     motion_inputs = {
         name: given_inputs.pop(name) for channel in channels for name in channel.names if name in given_inputs
@@ -294,16 +277,6 @@ def _pieces_of(
     # ``refuse_jumps`` checks the jumps of motions, so ``Pieces.jumps`` leaves them out
     pieces.same[motion_columns] = np.inf
     return pieces, motion_columns
-
-
-def inputs_by_name(inputs: GivenInputs, stop_time: float) -> Mapping[str, InputSource]:
-    """Return name → input over time; columns of a table are samples, for a run until ``stop_time`` [s]."""
-    if isinstance(inputs, Mapping) and TIME not in inputs:
-        return cast("Mapping[str, InputSource]", inputs)
-    table = read_table(cast("TableSource", inputs))
-    times, columns = samples_of(table, stop_time)
-    warn(table.source, gap_hints(times))
-    return {name: (times, values) for name, values in columns.items()}
 
 
 def _hint(prepared_scene: PreparedScene, name: Any) -> str:

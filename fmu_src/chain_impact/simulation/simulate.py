@@ -26,13 +26,8 @@ from chain_impact.scene.scene import Scene, SceneSource, scene_of, with_values
 from chain_impact.scene.signal_inputs import exclusive_inputs
 from chain_impact.scene.warning import warn
 from chain_impact.simulation.errors import SimulationError
-from chain_impact.simulation.inputs import (
-    GivenInputs,
-    InputSchedule,
-    Interpolation,
-    input_schedule,
-    inputs_by_name,
-)
+from chain_impact.simulation.given_inputs import GivenInputs, Interpolation, NamedInputs, named_inputs
+from chain_impact.simulation.inputs import InputSchedule, input_schedule
 from chain_impact.simulation.instance import Instance
 from chain_impact.simulation.output_rows import chosen_columns
 from chain_impact.simulation.run import Run
@@ -135,12 +130,12 @@ def simulate(
     parameters = differentiable_named(prepared_scene, wanted_names)
     exponents = [variable.name for variable in parameters if variable.name in EXPONENTS]
     pattern_exponents = tuple(name for name in exponents if name not in wanted_names)
-    given_inputs = {} if inputs is None else inputs_by_name(inputs, prepared_scene.scene.simulation.stop_time)
+    given_inputs = named_inputs(inputs, interpolation, prepared_scene.scene)
     indices, input_names = chosen_columns(
-        prepared_scene, output, _possible_columns(prepared_scene, given_inputs, interpolation)
+        prepared_scene, output, _possible_columns(prepared_scene, given_inputs)
     )
     column_count = len(indices.words) + indices.width * len(parameters)
-    schedule = _inputs_of_run(prepared_scene, given_inputs, interpolation, is_single_interval, column_count)
+    schedule = _inputs_of_run(prepared_scene, given_inputs, is_single_interval, column_count)
     run = Run(prepared_scene, parameters, schedule, indices, pattern_exponents)
     run.execute(progress or no_progress)
     result = run.result(input_names, None if output is None else tuple(indices.continuous))
@@ -156,23 +151,22 @@ def _with_settings(scene: SceneSource, settings: Mapping[str, Any]) -> PreparedS
     return PreparedScene(with_values(scene, changes) if changes else scene_of(scene))
 
 
-def _possible_columns(prepared_scene: PreparedScene, inputs: Iterable[str], interpolation: str) -> list[str]:
+def _possible_columns(prepared_scene: PreparedScene, inputs: NamedInputs) -> list[str]:
     """Return the names of the inputs that the result can have: the given ones, and those that follow.
 
     Of a motion of the base or a wall, position, velocity and acceleration follow from any one of them, except
     with ``hold``.
     """
-    known_names = {variable.name for variable in prepared_scene.inputs} if inputs else {}
-    given_names = [name for name in inputs if name in known_names]
-    if interpolation == "hold":
+    known_names = {variable.name for variable in prepared_scene.inputs} if inputs.sources else {}
+    given_names = [name for name in inputs.sources if name in known_names]
+    if inputs.interpolation == "hold":
         return given_names
     return [member for name in given_names for member in exclusive_inputs(name)]
 
 
 def _inputs_of_run(
     prepared_scene: PreparedScene,
-    inputs: GivenInputs,
-    interpolation: Interpolation,
+    inputs: NamedInputs,
     is_single_interval: bool,
     columns: int,
 ) -> InputSchedule:
@@ -180,8 +174,7 @@ def _inputs_of_run(
 
     Args:
         prepared_scene: the scene.
-        inputs: as for ``simulate``.
-        interpolation: as for ``simulate``.
+        inputs: the inputs that are given.
         is_single_interval: whether the run is one interval, with rows at start and end only; else each step
             of communication gives a row.
         columns: number of outputs and derivatives.
@@ -189,7 +182,7 @@ def _inputs_of_run(
     name, stop_time = prepared_scene.scene.name, prepared_scene.scene.simulation.stop_time
     step = stop_time if is_single_interval else prepared_scene.scene.simulation.step_size
     check_result_size(name, stop_time, step, columns)
-    schedule = input_schedule(prepared_scene, inputs, interpolation, _row_times(stop_time, step))
+    schedule = input_schedule(prepared_scene, inputs, _row_times(stop_time, step))
     if schedule.paths and not _size_of_rows(len(schedule.times), columns) <= MOST_BYTES:
         raise _too_large(f"{name}: the simulation with its inputs has", len(schedule.times), columns)
     return schedule

@@ -24,7 +24,7 @@ from chain_impact.recording.recording import Recording
 from chain_impact.results.animation import FILM_SIZE, write_animation
 from chain_impact.results.result import Result
 from chain_impact.scene.scene import SceneSource, scene_of
-from chain_impact.simulation.inputs import GivenInputs, Interpolation
+from chain_impact.simulation.given_inputs import GivenInputs, Interpolation
 from chain_impact.simulation.simulate import simulate
 
 MOST_FILM_ROWS = 40_000

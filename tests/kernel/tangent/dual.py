@@ -9,6 +9,7 @@ import numpy as np
 
 from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.simulation.derivatives import DifferentiatedInstance
+from chain_impact.simulation.given_inputs import NamedInputs
 from chain_impact.simulation.inputs import input_schedule
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.selection import differentiable_named
@@ -134,7 +135,8 @@ def random_duals(rng: np.random.Generator, dtype: np.dtype, rows: tuple[int, ...
 def started(case: Case) -> DifferentiatedInstance:
     """Return an instance at the start of a case, with derivatives of all outputs."""
     prepared = PreparedScene(case.scene)
-    schedule = input_schedule(prepared, case.inputs, "hold", np.array([0.0, case.scene.simulation.stop_time]))
+    times = np.array([0.0, case.scene.simulation.stop_time])
+    schedule = input_schedule(prepared, NamedInputs(case.inputs, "hold"), times)
     instance = DifferentiatedInstance(
         prepared, differentiable_named(prepared, case.parameters), schedule=schedule
     )

@@ -12,7 +12,7 @@ from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.facts import SceneFacts
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.derivatives import Differentiated
-from chain_impact.simulation.inputs import Interpolation
+from chain_impact.simulation.given_inputs import Interpolation
 from chain_impact.studies.fit.measurements import Measurements
 from chain_impact.studies.fit.parameters import Parameter
 from chain_impact.variables.impact_units import impact_units
@@ -48,12 +48,16 @@ class Estimates:
     converged: bool
     evaluations: int
     horizons: tuple[float, ...]
-    interpolation: Interpolation = "follow"
     unknown: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     ranking: tuple[LawEstimates, ...] = ()
     model_runs: tuple[Differentiated, ...] = field(default=())
     at_bounds: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def interpolation(self) -> Interpolation:
+        """The interpolation of inputs between the rows of the data, as for ``simulate``."""
+        return self.data[0].interpolation
 
     @property
     def used(self) -> np.ndarray:

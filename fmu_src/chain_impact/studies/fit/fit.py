@@ -14,7 +14,7 @@ from chain_impact.progress import Progress, no_progress
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.files.table_file import TableSource, is_table
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
-from chain_impact.simulation.inputs import Interpolation
+from chain_impact.simulation.given_inputs import Interpolation
 from chain_impact.studies.fit.horizon import SearchSeries, freedom_of_columns, search_parameters
 from chain_impact.studies.fit.measured_tables import read_measurements
 from chain_impact.studies.fit.measurements import Measurements
@@ -92,7 +92,10 @@ def fit(
         standard_deviation(name, value, 1.0)
     runs = _runs(data)
     scenes = _scenes(scene, len(runs), set_each or {})
-    all_data = [read_measurements(run, scene, sigma or {}, columns) for run in runs]
+    all_data = [
+        replace(read_measurements(run, scene, sigma or {}, columns), interpolation=interpolation)
+        for run in runs
+    ]
     data_sets = all_data if stop_time is None else [data_set.cut_at(stop_time) for data_set in all_data]
     late_count = sum(map(len, all_data)) - sum(map(len, data_sets))
     late_text = (
@@ -111,7 +114,7 @@ def fit(
         parameters = parameters_of(scenes, free, free_each, bounds or {})
         _check_inputs(scene, parameters, data_sets)
         try:
-            result = _fit(Problem(scenes, data_sets, parameters, interpolation), progress)
+            result = _fit(Problem(scenes, data_sets, parameters), progress)
         except SceneError as error:
             raise SceneError("; ".join([str(error), *late_text])) from None
         return replace(result, notes=(*late_text, *result.notes))
@@ -171,7 +174,6 @@ def _fit(problem: Problem, progress: Progress) -> Fit:
         evaluations=problem.evaluations,
         horizons=search_result.horizons,
         at_bounds={labels[p]: bound for p, bound in reached_bounds.items()},
-        interpolation=problem.interpolation,
         unknown=tuple(unknown_parameter_remarks(problem, evaluation, fisher_information, reached_bounds)),
         model_runs=evaluation.runs,
     )

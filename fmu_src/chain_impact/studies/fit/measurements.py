@@ -11,6 +11,7 @@ import numpy as np
 from chain_impact.recording.impacts import POSITION
 from chain_impact.scene.errors import SceneError
 from chain_impact.simulation.derivatives import DIFFERENTIABLE_COLUMNS
+from chain_impact.simulation.given_inputs import Interpolation
 
 POINT, WALL, DURATION = "point", "wall", "duration"
 MEASURED_OF_IMPACT = (*(name for name in DIFFERENTIABLE_COLUMNS if name not in POSITION), DURATION)
@@ -71,6 +72,7 @@ class Measurements:
         column: the index of ``quantity`` in ``outputs`` or ``MEASURED_OF_IMPACT``, shape (M,).
         of_impact: whether each value is a quantity of an impact, shape (M,).
         inputs: name of an input → times [s] and values of its signal.
+        interpolation: how these inputs act, as for ``simulate``.
     """
 
     source: str
@@ -84,6 +86,7 @@ class Measurements:
     column: np.ndarray
     of_impact: np.ndarray
     inputs: Mapping[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
+    interpolation: Interpolation = "follow"
 
     def __len__(self) -> int:
         """Return the number M of measured values."""

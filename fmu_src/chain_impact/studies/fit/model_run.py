@@ -8,6 +8,7 @@ import numpy as np
 
 from chain_impact.progress import no_progress
 from chain_impact.results.result import Result
+from chain_impact.simulation.given_inputs import NamedInputs
 from chain_impact.simulation.held_motions import holds_motions
 from chain_impact.simulation.inputs import input_schedule
 from chain_impact.simulation.run import Run
@@ -32,7 +33,7 @@ def model_run(fit: Estimates, k: int) -> Result:
     }
     prepared_scene = PreparedScene(scene.with_values({"simulation.stop_time": stop_time}))
     points = np.union1d(data.times[data.times < stop_time], [0.0, stop_time])
-    schedule = input_schedule(prepared_scene, inputs, fit.interpolation, points)
+    schedule = input_schedule(prepared_scene, NamedInputs(inputs, data.interpolation), points)
     times = np.linspace(0.0, stop_time, CURVE_POINTS + 1)
     is_held = holds_motions(schedule)  # then rows between the communication points need a second run
     run_schedule = schedule if is_held else schedule.with_times(times)

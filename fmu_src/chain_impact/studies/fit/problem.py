@@ -17,7 +17,6 @@ from chain_impact.scene.errors import SceneError
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.derivatives import ONSET_QUANTITIES, Differentiated, DifferentiatedRun
 from chain_impact.simulation.errors import SimulationError
-from chain_impact.simulation.inputs import Interpolation
 from chain_impact.studies.fit.measurements import DURATION, LATE_FACTOR, MEASURED_OF_IMPACT, Measurements
 from chain_impact.studies.fit.parameters import Parameter
 
@@ -69,7 +68,6 @@ class Problem:
         scenes: the scene of each data set, with the start values.
         data: the measurements of each data set.
         parameters: the P free parameters.
-        interpolation: the interpolation of inputs, as for ``simulate``.
         value, sigma: the measured values of all data sets, and their standard deviations, shape (M,); NaN for
             a standard deviation that must be estimated.
         value_times: time of each value, shape (M,) [s] (``Measurements.value_times``).
@@ -87,7 +85,6 @@ class Problem:
         scenes: Sequence[Scene],
         data: Sequence[Measurements],
         parameters: Sequence[Parameter],
-        interpolation: Interpolation = "follow",
     ) -> None:
         """Prepare a run for each data set, with the inputs that the data set gives.
 
@@ -96,7 +93,6 @@ class Problem:
             BuildError: when the kernel cannot be compiled.
         """
         self.scenes, self.data, self.parameters = tuple(scenes), tuple(data), tuple(parameters)
-        self.interpolation = interpolation
         self.value = np.concatenate([data_set.value for data_set in data])
         self.sigma = np.concatenate([data_set.sigma for data_set in data])
         quantities = [name for data_set in data for name in data_set.quantity]
@@ -117,7 +113,7 @@ class Problem:
                     [self.parameters[p].name for p in used_numbers],
                     data_set.outputs,
                     data_set.inputs,
-                    interpolation,
+                    data_set.interpolation,
                 )
                 for scene, data_set, used_numbers in zip(
                     self.scenes, self.data, self.used_parameters, strict=True
