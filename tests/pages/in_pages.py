@@ -27,6 +27,8 @@ TEXTS = function_of("in_pages", "textsOf")
 """The numbers of typed arrays as texts, which ``bits`` reads: single numbers would take far longer."""
 ON_OTHERS = function_of("drawing", "onOthers")
 """Pairs of an overlapping text and object. The boxes of texts include space above the letters."""
+SHOWN = "[...document.querySelectorAll('#outputs-over-time dt.of-curve')].map((term) => term.title)"
+"""The names of the outputs that have a chart."""
 LATER = "performance.now = ((now) => () => now() + 900)(performance.now.bind(performance))"
 """A script after which the page believes that 900 ms more have passed."""
 SUBTITLE = "document.getElementById('subtitle').textContent"

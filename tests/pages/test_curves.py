@@ -1,6 +1,6 @@
 """The chart of outputs: chosen outputs are drawn with the numbers of `simulate()`, and stored in the link."""
 
-# Tests: pages/browser/charts/curve_charts.js, pages/browser/explore/curve_choice.js
+# Tests: pages/browser/charts/curve_charts.js
 # Tests: pages/browser/scene/output_words.js
 # Tests: pages/browser/charts/chart.js, pages/browser/charts/time_chart.js
 
@@ -10,9 +10,9 @@ import pytest
 from chain_impact import load_scene, simulate
 from tests.pages.in_pages import (
     DESK,
-    PHONE,
     PIXELS,
     ROWS,
+    SHOWN,
     impacts_of,
     packed_module,
     page_contents,
@@ -24,7 +24,6 @@ from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
-SHOWN = "[...document.querySelectorAll('#outputs-over-time dt.of-curve')].map((term) => term.title)"
 NOW = function_of("curves", "now")
 """The place of the line at the present time, over the width of the chart."""
 TEXTS = function_of("curves", "texts")
@@ -127,57 +126,6 @@ def test_a_view_of_one_impact_counts_the_time_from_its_onset(script, onset, ends
     assert dict(zip(texts, ticks, strict=True)) == pytest.approx(expected)
 
 
-def test_outputs_are_chosen_by_hand_and_go_into_the_link(show):
-    page = show()
-    assert page.locator("#outputs-over-time").is_hidden()
-    page.get_by_role("button", name="Chart…").click()
-    page.get_by_role("searchbox", name="Search the outputs").fill("4 y_min force")
-    page.get_by_role("checkbox", name="contact[4].y_min.force").check()
-    until(page, f"{SHOWN}.join() === 'contact[4].y_min.force'")
-    page.get_by_text("By names").click()
-    field = page.get_by_role("textbox", name="Names, with * for any text")
-    for text, sentence in (
-        ("nothing", "nothing is not an output."),
-        ("pointt[4].x", "pointt[4].x is not an output; the nearest is point[4].x."),
-        ("x*", "no output is like x*."),
-        ("contact[*].force", "no output is like contact[*].force; the nearest is contact[*].x_min.force."),
-        ("*", "must be at most 18."),
-    ):
-        field.fill(text)
-        assert page.locator("#curves-text").inner_text().endswith(sentence), "it is told while one types"
-        field.press("Enter")
-        assert page.locator("#curves-text").inner_text().endswith(sentence)
-        assert page.evaluate(SHOWN) == ["contact[4].y_min.force"]
-    field.fill("point[4].x, point[4].velocity_y")
-    field.press("Enter")
-    until(page, f"{SHOWN}.join() === 'point[4].x'")
-    told = page.inner_text("#curves-text")
-    assert told == "point[4].velocity_y is not an output; the nearest is point[4].vy."
-    assert field.input_value() == "point[4].x, point[4].velocity_y", "the wrong name can be mended"
-    field.fill("energy.total, point[4].y")
-    field.press("Enter")
-    until(page, f"{SHOWN}.join() === 'point[4].y,energy.total'")
-    until(page, "decodeURIComponent(location.hash) === '#curves=energy.total,point[4].y'")
-    page.keyboard.press("Escape")
-    page.reload()
-    until(page, f"{SHOWN}.join() === 'point[4].y,energy.total'")
-
-
-IN_SIGHT = function_of("curves", "inSight")
-
-
-@pytest.mark.parametrize("viewport", [DESK, PHONE], ids=["desk", "phone"])
-def test_chosen_outputs_are_in_sight_when_the_dialog_closes(show, viewport):
-    page = show(viewport=viewport)
-    page.get_by_role("button", name="Chart…").click()
-    page.get_by_text("By names").click()
-    field = page.get_by_role("textbox", name="Names, with * for any text")
-    field.fill("energy.total")
-    field.press("Enter")
-    page.keyboard.press("Escape")
-    until(page, f"({IN_SIGHT})()")
-
-
 def test_small_lengths_are_in_millimetres(show):
     page = show("bouncing_table", {"simulation.stop_time": 0.3})
     assert page.inner_text("#inputs-over-time .curve-unit") == "length, mm"
@@ -262,67 +210,6 @@ def test_the_kernel_gives_only_chosen_outputs_with_the_peaks_of_impacts(worker, 
     assert found["most"] == pytest.approx(peaks, rel=2e-3)
     assert found["rows"] > found["frames"]
     assert found["gap"] < 1.001 * result.scene.simulation.stop_time / 1000, "two rows for a pixel of a chart"
-
-
-def test_a_group_of_outputs_is_chosen_at_once(show):
-    page = show()
-    page.get_by_role("button", name="Chart…").click()
-    page.get_by_role("searchbox", name="Search the outputs").fill("y")
-    every = page.get_by_role("button", name="All of point[*].y", exact=True)
-    assert every.get_attribute("aria-pressed") == "false"
-    every.click()
-    until(page, f"{SHOWN}.join() === '{','.join(f'point[{k}].y' for k in range(5))}'")
-    assert every.get_attribute("aria-pressed") == "true"
-    page.get_by_role("checkbox", name="point[2].y").uncheck()
-    assert every.get_attribute("aria-pressed") == "false"
-    page.get_by_role("searchbox", name="Search the outputs").fill("2")
-    every.click()
-    until(page, f"{SHOWN}.length === 5")
-    every.click()  # all that are shown are chosen
-    until(page, f"{SHOWN}.join() === '{','.join(f'point[{k}].y' for k in (0, 1, 3, 4))}'")
-
-
-def test_outputs_are_found_by_the_meaning_beside_their_names(show):
-    page = show()
-    page.get_by_role("button", name="Chart…").click()
-    search = page.get_by_role("searchbox", name="Search the outputs")
-    search.fill("y acceleration of point 4")
-    boxes = page.locator("#curves-list input:visible")
-    label = "Acceleration of a point, y, 4, point[4].ay"
-    assert boxes.evaluate_all("all => all.map((one) => one.ariaLabel)") == [label]
-    page.get_by_role("button", name="Close").click()
-    page.get_by_role("button", name="Chart…").click()
-    assert search.input_value() == "", "a search ends with the dialog"
-
-
-def test_a_press_on_a_point_proposes_its_outputs(show):
-    page = show()
-    page.locator("#scrub").fill("0.3")
-    until(page, "document.getElementById('time').textContent === '0.30000 s'")
-    tip = page.locator("#scene .tip").bounding_box()
-    page.mouse.click(tip["x"] + tip["width"] / 2, tip["y"] + tip["height"] / 2)
-    assert page.get_by_role("searchbox", name="Search the outputs").input_value() == "point 4"
-    names = page.locator("#curves-list input:visible").evaluate_all("all => all.map((one) => one.ariaLabel)")
-    assert all("[4]" in name for name in names)
-    page.get_by_role("button", name="Close").click()
-    box = page.locator("#scene .free-region").bounding_box()
-    page.mouse.click(box["x"] + 20, box["y"] + 20)
-    assert page.locator("#curves").is_hidden()
-
-
-def test_charts_are_chosen_by_words_and_by_proposals(show):
-    page = show("cart_pole")
-    page.get_by_role("button", name="Chart…").click()
-    proposals = page.locator("#curves-proposals button")
-    walls = ["Forces at slider min", "Forces at slider max"]
-    told = ["Path of the tip", "Velocity of the tip", "Joint angles", *walls]
-    assert proposals.all_inner_texts() == told
-    proposals.nth(1).click()
-    until(page, f"{SHOWN}.join() === 'point[1].vx,point[1].vy'")
-    assert page.get_by_role("checkbox", name="Velocity of a point, x, 1, ").is_checked()
-    page.get_by_role("button", name="Remove all").click()
-    until(page, "document.getElementById('outputs-card').hidden")
-    assert proposals.nth(1).get_attribute("aria-pressed") == "false"
 
 
 @pytest.mark.parametrize(
