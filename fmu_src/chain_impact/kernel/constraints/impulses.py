@@ -108,8 +108,9 @@ def scale_sticking_impedances(d):
     for i in range(d.friction.stuck_count):
         largest_limit = max(largest_limit, elements.friction_limit[elements.stuck_index[i]])
     for i in range(d.friction.stuck_count):
-        limit = elements.friction_limit[elements.stuck_index[i]]
-        ratio = limit / largest_limit if largest_limit > 0.0 else 1.0
+        ratio = (
+            elements.friction_limit[elements.stuck_index[i]] / largest_limit if largest_limit > 0.0 else 1.0
+        )
         d.constraints.impedance[first + i] *= max(LEAST_STICKING_IMPEDANCE, ratio)
 
 
