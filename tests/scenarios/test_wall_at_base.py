@@ -1,4 +1,4 @@
-"""A wall that reaches a pinned base ends the run at that time, however short the overlap would last."""
+"""A wall that reaches a pinned base, or the line of a slider, ends the run at that time."""
 
 # Tests: kernel/events/base_at_wall.py
 
@@ -63,3 +63,33 @@ def test_a_wall_that_does_not_get_there_ends_nothing():
     result = simulate(scene(), inputs=moved(1.0 - 1e-5))
     assert result.time[-1] == 2.0
     assert np.isfinite(result.angles).all()
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.4])
+@pytest.mark.parametrize("points", [[0, 1], [1]])
+def test_a_wall_parallel_to_a_slider_meets_the_base(angle, points):
+    """The wall is 0.1 m below the line, and rises by 0.5 sin 2πt, so the time is asin(0.2) / 2π."""
+    normal = [-math.sin(angle), math.cos(angle)]
+    slides = scene_from_dict(
+        {
+            "name": "Slider",
+            "chain": {
+                "base": "slider",
+                "slider": {"angle": angle, "mass": 2.0},
+                "links": [{"length": 0.3, "mass": 1.0}],
+            },
+            "walls": [{"name": "w", "point": [-0.1 * part for part in normal], "normal": normal}],
+            "contact": {"model": "newton_impact", "points": points},
+            "inputs": {"wall_motion": ["w"]},
+            "initial": {"angles": [angle + 1.5]},
+            "signals": {
+                "s": {"input": "wall.w.displacement", "form": "sine", "amplitude": 0.5, "frequency": 1.0}
+            },
+        },
+        "slider",
+    )
+    with pytest.raises(SimulationError) as caught:
+        simulate(slides)
+    assert caught.value.status == BASE_BEYOND_WALL
+    assert str(caught.value).endswith(": the base at the wall w")
+    assert caught.value.time == pytest.approx(math.asin(0.2) / (2.0 * math.pi), abs=1e-9)

@@ -302,7 +302,7 @@ def check_start(d):
 
     - NOT_FINITE: the state, its rate or its energy is not finite.
     - STARTS_INSIDE_WALL: the clearance of a candidate is below −ALLOWED_OVERLAP.
-    - BASE_BEYOND_WALL: motions are prescribed, and the pinned base is in a wall (``check_base_at_walls``).
+    - BASE_BEYOND_WALL: motions are prescribed, and the base is in a wall (``check_base_at_walls``).
     - FORCES_NOT_FOUND: no forces, or no modes of friction, satisfy all conditions.
     """
     locate_points(d, d.step.state)

@@ -71,7 +71,7 @@ STATUS_TEXT = {
     STOPS_REVERSED: "the lower stop (min) is not below the upper stop (max)",
     WALL_JUMPS: "a wall is given another displacement without the velocity that leads there, as a jump would "
     "be an impact of unknown strength: give its velocity, too",
-    BASE_BEYOND_WALL: "the pinned base is beyond a wall: base and wall must not move through each other",
+    BASE_BEYOND_WALL: "the base is beyond a wall: base and wall must not move through each other",
     NO_ROOM: "moving rigid walls, or a moving base, have squeezed the chain: let them stop before, or take a "
     "law with a force",
     SIGNAL_JUMPS: "a signal lets base or wall jump in position or velocity, which would be an impact of "

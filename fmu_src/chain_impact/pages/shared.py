@@ -23,7 +23,7 @@ from chain_impact.kernel.chain.inputs import REINITIALIZE
 from chain_impact.kernel.chain.signals import TRAPEZOID_KNOTS
 from chain_impact.kernel.constraints.geometry import BOX_NORMALS, STOP_CODES
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.kernel.record.constants import NOT_GIVEN, WALLS
+from chain_impact.kernel.record.constants import NOT_GIVEN, PARALLEL_COSINE, WALLS
 from chain_impact.kernel.record.counts import COUNTS
 from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STARTS_INSIDE_WALL, STATUS_TEXT
@@ -31,7 +31,6 @@ from chain_impact.pages.drawn import GROUPS, IMPACT_QUANTITIES
 from chain_impact.recording import curves, joint_stops, pacing, view
 from chain_impact.scene import errors
 from chain_impact.scene.checks.signal_checks import REST_TOLERANCE
-from chain_impact.scene.contents import PARALLEL_COSINE
 from chain_impact.scene.display import bodies
 from chain_impact.scene.keys import chain_tables
 from chain_impact.scene.keys.signal_tables import FORMS, NUMBERS, SHAPES

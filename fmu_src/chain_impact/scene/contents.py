@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.kernel.record.constants import WALLS
+from chain_impact.kernel.record.constants import PARALLEL_COSINE, WALLS
 from chain_impact.scene.half_planes import HalfPlane, half_planes
 from chain_impact.scene.keys.chain_tables import ChainTable
 from chain_impact.scene.keys.signal_tables import Signal
@@ -32,10 +32,6 @@ from chain_impact.scene.keys.tables import (
 from chain_impact.scene.rules.key_rules import NO_KEY, scene_key
 from chain_impact.scene.signal_polynomials import value_at_start
 from chain_impact.scene.texts.names import STOPS, DataPath, point_label
-
-# [1] a slider's line and a wall count as parallel if the cosine of the angle between the line and the wall's
-# normal differs from 0 by less than PARALLEL_COSINE, which allows for round-off
-PARALLEL_COSINE = 1e-12
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)

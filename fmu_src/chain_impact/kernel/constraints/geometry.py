@@ -378,22 +378,3 @@ def link_of(d, c):
 def lever_of_candidate(d, c):
     """Return the clearance [m] per angle [rad] of a joint's stop, its lever arm; 1 for other candidates."""
     return length_per_coordinate(d, d.candidate.point[c] - 1) if is_at_joint_stop(d, c) else 1.0
-
-
-def faces_base(d, c):
-    """Return whether c is the first candidate of a wall that can meet the pinned base.
-
-    Wall and base can meet if one of them moves. Only the first candidate of each wall counts, so that each
-    wall is checked once.
-    """
-    # all walls have the same points as candidates, in the same order, unless the base slides
-    first = is_at_wall(d, c) and d.candidate.point[c] == d.candidate.point[0]
-    return first and (d.chain.base_moves or d.wall_motion.first_channel[c] >= 0)
-
-
-def base_clearance(d, c):
-    """Return n·p − offset [m] of a pinned base p at candidate c's wall, without radius; < 0 in the wall."""
-    x, y = d.step.state_end[0], d.step.state_end[1]
-    if d.chain.base_moves:
-        x, y = d.channel.position[0], d.channel.position[1]
-    return d.candidate.normal_x[c] * x + d.candidate.normal_y[c] * y - d.candidate.offset[c]

@@ -1,14 +1,15 @@
-"""The end of a run in which a wall reaches a pinned base; wall and base are at rest or move as prescribed.
+"""The end of a run in which a wall reaches the base, which is pinned or slides parallel to the wall.
 
-The distance g of the base from a wall follows from the prescribed motions of both alone
-(chain/prescribed_motion.py). The search is like that of crossing.py. With a bound |g̈| ≤ A over an interval
-of width w, g lies below its chord by at most A w²/8. An interval in which g may therefore fall to
-−ALLOWED_OVERLAP is halved. So the search also finds a wall that passes the base within a step and comes back.
+The distance g of the base from the wall follows from prescribed motions alone (chain/prescribed_motion.py).
+The search is like that of crossing.py. With a bound |g̈| ≤ A over an interval of width w, g lies below its
+chord by at most A w²/8. An interval in which g may therefore fall to −ALLOWED_OVERLAP is halved. So the
+search also finds a wall that passes the base within a step and comes back.
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.prescribed_motion import move_channels
-from chain_impact.kernel.constraints.geometry import ALLOWED_OVERLAP, base_clearance, faces_base
+from chain_impact.kernel.chain.slider import slider_component
+from chain_impact.kernel.constraints.geometry import ALLOWED_OVERLAP, is_at_wall
 from chain_impact.kernel.cost import count_other_cost, is_cost_exceeded
 from chain_impact.kernel.events.crossing import prescribed_bounds
 from chain_impact.kernel.events.marks import drop_events
@@ -16,17 +17,17 @@ from chain_impact.kernel.mathematics.root_search import MOST_GUESSES
 from chain_impact.kernel.ode.dense_output import fraction_at_time
 from chain_impact.kernel.ode.falls import correct_falls
 from chain_impact.kernel.ode.last_step import ensure_dense, truncate_step
-from chain_impact.kernel.record.constants import SOLVER_READER
+from chain_impact.kernel.record.constants import PARALLEL_COSINE, SOLVER_READER
 from chain_impact.kernel.status import BASE_BEYOND_WALL, BASE_PART, OK, refuse_part
 
 
 def end_where_wall_meets_base(d):
-    """End the last step where a wall reaches the pinned base, if any wall does.
+    """End the last step where a wall reaches the base, if any wall does.
 
     ``check_base_at_walls`` then ends the run. Afterwards the points are located at the end of the step.
     """
     reached = d.step.end
-    for c in range(d.candidate_count if d.chain.has_base_joint and not d.slides else 0):
+    for c in range(d.candidate_count if d.chain.has_base_joint else 0):
         if faces_base(d, c):
             reached = time_of_meeting(d, c, reached)
     if reached < d.step.end:
@@ -38,12 +39,12 @@ def end_where_wall_meets_base(d):
 
 
 def check_base_at_walls(d):
-    """Return BASE_BEYOND_WALL if the pinned base is beyond a wall at the end of the last step, else OK.
+    """Return BASE_BEYOND_WALL if the base is beyond a wall at the end of the last step, else OK.
 
     The base is beyond the wall if ``base_clearance`` is below −ALLOWED_OVERLAP/2.
     """
     move_channels(d, d.step.end)
-    for c in range(d.candidate_count if d.chain.has_base_joint and not d.slides else 0):
+    for c in range(d.candidate_count if d.chain.has_base_joint else 0):
         # if ``end_where_wall_meets_base`` has cut the step, the clearance is −ALLOWED_OVERLAP up to
         # round-off; the limit −ALLOWED_OVERLAP/2 leaves a margin for this round-off
         if faces_base(d, c) and base_clearance(d, c) < -0.5 * ALLOWED_OVERLAP:
@@ -103,3 +104,37 @@ def time_of_passage(d, c, a, b):
         else:
             a = middle
     return b
+
+
+def faces_base(d, c):
+    """Return whether c is the first candidate of a wall that can meet the base, which is pinned or slides.
+
+    Wall and pinned base can meet if one of them moves. A wall can meet a base that slides if the wall moves
+    and is parallel to the base's line; other walls can touch such a base as a point. Only the first candidate
+    of each wall counts, so that each wall is checked once.
+    """
+    if not is_at_wall(d, c):
+        return False
+    channel = d.wall_motion.first_channel[c]
+    if d.slides:
+        # all walls but those parallel to the line have the same points as candidates
+        cosine = slider_component(d, d.candidate.normal_x[c], d.candidate.normal_y[c])
+        return channel >= 0 and abs(cosine) < PARALLEL_COSINE and not has_earlier_candidate(d, c)
+    # all walls have the same points as candidates, in the same order
+    return d.candidate.point[c] == d.candidate.point[0] and (d.chain.base_moves or channel >= 0)
+
+
+def has_earlier_candidate(d, c):
+    """Return whether a candidate before c is at the same moving wall as c."""
+    for e in range(c):
+        if d.wall_motion.first_channel[e] == d.wall_motion.first_channel[c]:
+            return True
+    return False
+
+
+def base_clearance(d, c):
+    """Return n·p − offset [m] of the base p at candidate c's wall, without radius; < 0 in the wall."""
+    x, y = d.step.state_end[0], d.step.state_end[1]
+    if d.chain.base_moves:
+        x, y = d.channel.position[0], d.channel.position[1]
+    return d.candidate.normal_x[c] * x + d.candidate.normal_y[c] * y - d.candidate.offset[c]

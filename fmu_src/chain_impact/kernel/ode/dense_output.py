@@ -330,7 +330,17 @@ def quadrature_within(d, theta, k):
         if sample <= theta:
             break
         above = below
-    return max(quadrature.state[k], below, min(above, value))
+    return limit_impulse(value, max(quadrature.state[k], below), above)
+
+
+@has_dual_rule
+def limit_impulse(impulse, below, above):
+    """Return an ``impulse`` [N·s], moved to the range from ``below`` to ``above``.
+
+    In a tangent instance the result is ``impulse``: a limit has the derivatives of the impulse at another
+    time, such as that of the event that ends the step.
+    """
+    return max(below, min(above, impulse))
 
 
 def copy_tried_quadratures(d, z, first):

@@ -37,6 +37,9 @@ NOTHING_KNOWN, VALUES_KNOWN, CURVATURES_KNOWN, DISTANCE_KNOWN = 0, 1, 2, 3
 STICKS, NO_FRICTION = 0, 2  # values of `friction_element.mode`; the values ±1 stand for sliding along ±t
 WALLS = ("x_min", "x_max", "y_min", "y_max")
 """The walls of the box in the order of their numbers, from 0. The numbers of walls at any angle follow."""
+# [1] a slider's line and a wall count as parallel if the cosine of the angle between the line and the wall's
+# normal differs from 0 by less than PARALLEL_COSINE, which allows for round-off
+PARALLEL_COSINE = 1e-12
 
 # ---- given values
 NOT_GIVEN = -1.7976931348623157e308

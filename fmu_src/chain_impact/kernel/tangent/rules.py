@@ -2,7 +2,8 @@
 
 Each replacement in DUAL_RULES has the name of the function that it replaces, and is called in place of that
 function if an argument carries derivatives. The value of a result is the same up to round-off, except for
-``contact_added_mass``, ``has_effect``, ``iterated_enough``, ``limit_energy`` and ``may_exceed``.
+``contact_added_mass``, ``has_effect``, ``iterated_enough``, ``limit_energy``, ``limit_impulse`` and
+``may_exceed``.
 """
 
 import math
@@ -136,6 +137,11 @@ def shift_start(t, delay):
 def limit_energy(_t, energy, _start, _end):
     """Return ``energy``, because a limit has the derivatives of the energy at another time."""
     return energy
+
+
+def limit_impulse(impulse, _below, _above):
+    """Return ``impulse``, without limits: see ``dense_output.limit_impulse``."""
+    return impulse
 
 
 def without_fall(_t, _start, end):
@@ -274,6 +280,7 @@ DUAL_RULES = {
     dense_output.fraction_at_time: fraction_at_time,
     dense_output.event_fraction: event_fraction,
     dense_output.limit_energy: limit_energy,
+    dense_output.limit_impulse: limit_impulse,
     dense_output.without_fall: without_fall,
     transmitted_forces.time_of_peak: time_of_peak,
     segments.shift_start: shift_start,
