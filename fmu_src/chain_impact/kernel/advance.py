@@ -52,11 +52,6 @@ from chain_impact.kernel.ode.balance import (
     restart_balance,
     store_energy,
 )
-from chain_impact.kernel.ode.dense_output import (
-    commit_quadratures,
-    reset_quadratures,
-    set_quadrature_stage_at_end,
-)
 from chain_impact.kernel.ode.falls import correct_falls
 from chain_impact.kernel.ode.last_step import (
     choose_variable,
@@ -69,6 +64,11 @@ from chain_impact.kernel.ode.last_step import (
     truncate_step,
 )
 from chain_impact.kernel.ode.methods import choose_method, integrate_trial, prepare_step
+from chain_impact.kernel.ode.quadratures import (
+    commit_quadratures,
+    reset_quadratures,
+    set_quadrature_stage_at_end,
+)
 from chain_impact.kernel.ode.sundman import regularize_rate, time_rate_for_sizes
 from chain_impact.kernel.record import constants
 from chain_impact.kernel.record.constants import KINK, NO_EVENT

@@ -33,9 +33,9 @@ from chain_impact.kernel.forces.candidate_laws import start_laws
 from chain_impact.kernel.forces.friction import clear_friction
 from chain_impact.kernel.mathematics.angles import unit_vector
 from chain_impact.kernel.ode.balance import start_balance
-from chain_impact.kernel.ode.dense_output import clear_quadratures
 from chain_impact.kernel.ode.last_step import reset_step, reset_times
 from chain_impact.kernel.ode.methods import begin_explicit, stable_size
+from chain_impact.kernel.ode.quadratures import clear_quadratures
 from chain_impact.kernel.ode.step_control import (
     prescribed_method,
     propose_size,

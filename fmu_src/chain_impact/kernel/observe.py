@@ -26,13 +26,9 @@ from chain_impact.kernel.events.contact_log import list_latest
 from chain_impact.kernel.forces.active_contacts import set_true_forces
 from chain_impact.kernel.forces.friction import drive_of_element
 from chain_impact.kernel.forces.holding import project_state
-from chain_impact.kernel.ode.dense_output import (
-    dissipated_energy,
-    fraction_at_time,
-    interpolate_state,
-    quadrature_within,
-)
+from chain_impact.kernel.ode.dense_output import dissipated_energy, fraction_at_time, interpolate_state
 from chain_impact.kernel.ode.folds import correct_near_fold
+from chain_impact.kernel.ode.quadratures import quadrature_within
 from chain_impact.kernel.record.constants import STICKS
 from chain_impact.kernel.record.state import (
     FIRST_ANGLE,

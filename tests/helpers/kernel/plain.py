@@ -14,7 +14,7 @@ import numpy as np
 from chain_impact.kernel.chain import mass_matrix_solver
 from chain_impact.kernel.constraints.geometry import is_at_joint_stop
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.ode.dense_output import reset_quadratures
+from chain_impact.kernel.ode.quadratures import reset_quadratures
 from chain_impact.kernel.record.fields import is_table
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import Scene

@@ -12,7 +12,7 @@ from chain_impact.kernel.constraints.geometry import clearance_and_rate
 from chain_impact.kernel.events import contact_log
 from chain_impact.kernel.forces.active_contacts import contact_force
 from chain_impact.kernel.forces.force_formula import set_damping
-from chain_impact.kernel.ode.dense_output import reset_quadratures
+from chain_impact.kernel.ode.quadratures import reset_quadratures
 from chain_impact.kernel.record.constants import (
     CONTACT_ENDS,
     KINK,

@@ -7,7 +7,7 @@ from chain_impact.kernel import equations
 from chain_impact.kernel.chain import kinematics
 from chain_impact.kernel.constraints import geometry
 from chain_impact.kernel.forces import active_contacts, force_formula
-from chain_impact.kernel.ode import dense_output, extended_state
+from chain_impact.kernel.ode import extended_state, quadratures
 from chain_impact.kernel.ode.extended_state import clearance_at, rate_at
 from chain_impact.kernel.record import state
 from tests.helpers.kernel.plain import make_rigid
@@ -27,7 +27,7 @@ def touching():
     d.step.state_end[:] = y
     equations.rate_from_state(d, y, d.scratch.rate_start)
     d.quadrature.computed = 1
-    dense_output.reset_quadratures(d)
+    quadratures.reset_quadratures(d)
     d.quadrature.state_end[:2], d.quadrature.rate_end[:2] = [3.0, 4.0], [30.0, 40.0]
     return scene, d, touched, y
 
@@ -38,7 +38,7 @@ def test_clearances_their_rates_and_impulses_stand_one_after_the_other(touching)
     places = [at(d, k) for at in (clearance_at, rate_at, extended_state.quadrature_at) for k in range(2)]
     assert [*places, extended_state.extended_length(d)] == list(range(FIRST, FIRST + 7))
     d.quadrature.computed = 0
-    dense_output.reset_quadratures(d)
+    quadratures.reset_quadratures(d)
     assert extended_state.extended_length(d) == FIRST + 4
     make_rigid(d, np.arange(d.candidate_count) == touched[0])
     assert extended_state.clearance_count(d) == 1

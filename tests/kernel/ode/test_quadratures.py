@@ -3,15 +3,13 @@
 Gravity and the walls together change the momentum of the chain.
 """
 
-# Tests: kernel/ode/dense_output.py
-
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from chain_impact import CONTACT_LAWS, load_scene, simulate
-from chain_impact.kernel.ode import dense_output
+from chain_impact.kernel.ode import quadratures
 from chain_impact.kernel.ode.dense_output import interpolate_component
 from chain_impact.kernel.record.constants import DENSE_COEFFICIENTS
 from chain_impact.kernel.record.state import time_at
@@ -110,13 +108,13 @@ def values(d, *names):
 
 
 def test_impulses_of_active_contacts_are_integrated_if_they_are_wanted(d):
-    dense_output.reset_quadratures(d)
+    quadratures.reset_quadratures(d)
     assert d.quadrature.index[: d.quadrature.count].tolist() == TOUCHED
     mark_touching(d, [2])
-    dense_output.reset_quadratures(d)
+    quadratures.reset_quadratures(d)
     assert d.quadrature.index[: d.quadrature.count].tolist() == [2]
     d.quadrature.computed = 0
-    dense_output.reset_quadratures(d)
+    quadratures.reset_quadratures(d)
     assert d.quadrature.count == 0
 
 
@@ -125,7 +123,7 @@ def test_integrals_of_dry_friction_follow_those_of_contacts(contacts, joints):
     """The integrals of dry friction follow: one for each contact, and the friction energy."""
     _, d, _ = rubbing_chain(np.random.default_rng(1), "free", contacts, joints)
     d.quadrature.computed = 1
-    dense_output.reset_quadratures(d)
+    quadratures.reset_quadratures(d)
     own, touched = d.quadrature, d.contacts.active_index[:contacts]
     last = d.candidate_count + d.friction_element_count
     assert own.index[: own.count].tolist() == [*touched, *(d.candidate_count + touched), last]
@@ -136,8 +134,8 @@ def test_integrals_of_dry_friction_follow_those_of_contacts(contacts, joints):
     )
     d.friction.power = 3.5
     own.rate[:] = 99.0
-    dense_output.store_end_rates(d)
-    dense_output.commit_quadratures(d)
+    quadratures.store_end_rates(d)
+    quadratures.commit_quadratures(d)
     right = np.zeros(len(own.integral))
     right[touched], right[d.candidate_count + touched] = (
         d.contacts.force[touched],
@@ -151,7 +149,7 @@ def test_integrals_of_dry_friction_follow_those_of_contacts(contacts, joints):
 def test_a_stage_is_the_force_in_the_variable_of_the_step(d, at_end):
     """dp/ds = F dt/ds."""
     before = d.quadrature.stage.copy()
-    (dense_output.set_quadrature_stage_at_end if at_end else dense_output.set_quadrature_stage)(d, 4)
+    (quadratures.set_quadrature_stage_at_end if at_end else quadratures.set_quadrature_stage)(d, 4)
     forces = d.quadrature.rate_end[:2] if at_end else d.contacts.force[TOUCHED]
     right = forces * d.scratch.stage[4, time_at(2)]
     assert d.quadrature.stage[4, :2].tolist() == right.tolist()
@@ -162,15 +160,15 @@ def test_a_stage_is_the_force_in_the_variable_of_the_step(d, at_end):
 def test_a_step_goes_on_from_the_last_one_and_may_be_cut_or_dropped(d):
     """The totals belong to the end of the step."""
     end, tried, total = *values(d, "state_end", "tried_state"), d.quadrature.integral.copy()
-    dense_output.accept_quadratures(d)
+    quadratures.accept_quadratures(d)
     assert values(d, "state", "state_end") == [end, tried]
     right = [interpolate_component(d.quadrature, 0.3, k) for k in range(2)]
-    dense_output.truncate_quadratures(d, 0.3)
+    quadratures.truncate_quadratures(d, 0.3)
     assert values(d, "state", "state_end") == [end, right]
-    dense_output.commit_quadratures(d)
+    quadratures.commit_quadratures(d)
     total[TOUCHED] = right
     assert d.quadrature.integral.tolist() == total.tolist()
-    dense_output.roll_back_quadratures(d)
+    quadratures.roll_back_quadratures(d)
     assert values(d, "state", "state_end") == [end, end]
 
 
@@ -188,14 +186,14 @@ def test_an_integral_that_falls_is_kept_or_its_sum_at_a_rigid_wall(d, rigid, wal
     make_rigid(d, rigid)
     d.candidate.wall[TOUCHED], d.candidate.stop[TOUCHED] = wall
     d.quadrature.state[:2], d.quadrature.state_end[:2] = course
-    dense_output.correct_falling_quadratures(d)
+    quadratures.correct_falling_quadratures(d)
     assert values(d, "state_end") == [right]
 
 
 def test_the_energy_of_dry_friction_does_not_fall(d):
     d.quadrature.index[1] = d.candidate_count + d.friction_element_count
     d.quadrature.state[:2], d.quadrature.state_end[:2] = (5.0, 1.0), (6.0, 0.5)
-    dense_output.correct_falling_quadratures(d)
+    quadratures.correct_falling_quadratures(d)
     assert values(d, "state_end") == [[6.0, 1.0]]
 
 
@@ -207,7 +205,7 @@ def test_a_course_that_falls_is_below_all_that_follows(d, kept):
     d.quadrature.dense[:3, 0], d.quadrature.state[0] = (1.0, -1.9, 2.0), 3.0
     d.quadrature.state_end[0] = interpolate_component(d.quadrature, kept, 0)
     at = np.array([interpolate_component(d.quadrature, theta, 0) for theta in thetas])
-    course = np.array([dense_output.quadrature_within(d, theta, 0) for theta in thetas])
+    course = np.array([quadratures.quadrature_within(d, theta, 0) for theta in thetas])
     assert np.diff(at).min() < -1e-3
     assert np.diff(course).min() >= 0.0
     assert (course[0], course[-1]) == (3.0, d.quadrature.state_end[0])
@@ -216,7 +214,7 @@ def test_a_course_that_falls_is_below_all_that_follows(d, kept):
 
 def test_a_new_phase_starts_from_the_totals(d):
     total, rate = d.quadrature.integral[TOUCHED].tolist(), d.quadrature.rate[TOUCHED].tolist()
-    dense_output.reset_quadratures(d)
+    quadratures.reset_quadratures(d)
     assert values(d, "rate_end") == [rate]
     assert values(d, "state", "state_end") == [total, total]
     assert d.quadrature.dense.shape[0] == DENSE_COEFFICIENTS
@@ -228,7 +226,7 @@ def test_a_new_phase_starts_from_the_totals(d):
 def test_without_them_nothing_is_done(d, name):
     d.quadrature.computed, d.quadrature.count, d.quadrature.rate[:] = 0, 0, 0.0
     before = d.numpy_record.tobytes()
-    getattr(dense_output, f"{name}_quadratures")(d)
+    getattr(quadratures, f"{name}_quadratures")(d)
     assert d.numpy_record.tobytes() == before
 
 
@@ -241,5 +239,5 @@ def test_rigid_walls_give_their_impulses_at_once_and_none_that_pulls(d, rigid, i
     d.constraints.impulse[:2] = impulses
     right = d.quadrature.integral.copy()
     right[TOUCHED] += given
-    dense_output.add_impulses_of_impact(d)
+    quadratures.add_impulses_of_impact(d)
     assert d.quadrature.integral.tolist() == right.tolist()

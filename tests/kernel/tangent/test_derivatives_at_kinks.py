@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from chain_impact import simulate
+from chain_impact.scene.scene import scene_from_dict
 from tests.helpers.scenes.derivative_scenes import Case, struck_twice
 from tests.helpers.scenes.problems import ball, of_law
 from tests.kernel.tangent.dual import followed, started
@@ -84,3 +85,33 @@ def test_derivatives_do_not_depend_on_output_times(law):
     np.testing.assert_allclose(values[-1], few[-1], rtol=1e-12, atol=1e-12)
     scale = np.abs(steps).max(axis=1, keepdims=True)
     assert (np.abs(slopes[[0, -1]] - steps) <= 1e-10 * scale).all()
+
+
+@pytest.mark.parametrize("method", ["explicit", "implicit"])
+def test_an_impulse_up_to_the_start_of_a_force_does_not_depend_on_it(method):
+    """A force at the tip rises from zero at 0.5 s, a time of a row, while the tip is in the floor."""
+    link = {"length": 0.3, "mass": 1.0, "joint_damping": 0.05}
+    ramp = {"form": "ramp", "initial": 0.0, "final": 3.0, "start": 0.5, "duration": 0.25, "shape": "linear"}
+    scene = scene_from_dict(
+        {
+            "name": "Kink",
+            "chain": {"base": "pinned", "links": [link, link]},
+            "box": {"y_min": -0.5},
+            "contact": {"model": "zhang_sharf", "stiffness": 3e3, "restitution": 0.4},
+            "inputs": {"tip_force": True},
+            "outputs": {"loads": True},
+            "initial": {"angles": [-0.5, -0.3]},
+            "signals": {"push": {"input": "tip.force.y"} | ramp},
+            "solver": {"method": method},
+            "simulation": {"stop_time": 0.8, "step_size": 0.005},
+        },
+        "kink",
+    )
+    result = simulate(scene, sensitivities=["signal.push.start"])
+    row = np.searchsorted(result.time, 0.5 - 1e-9)
+    impact = result.impacts[0]
+    assert impact["onset"] < result.time[row] < impact["end"]
+    for name in ("contact[2].y_min.impulse", "joint[1].impulse.x", "joint[1].impulse.y"):
+        derivative = result.sensitivity(name, "signal.push.start")
+        assert np.abs(derivative[: row + 1]).max() < 1e-9
+        assert np.abs(derivative[row + 5]) > 1e-6

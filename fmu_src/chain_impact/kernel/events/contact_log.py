@@ -21,12 +21,7 @@ from chain_impact.kernel.forces.active_contacts import (
     set_contact_extremes,
     set_start_rates,
 )
-from chain_impact.kernel.ode.dense_output import (
-    commit_quadratures,
-    event_fraction,
-    fraction_at_time,
-    interpolate_state,
-)
+from chain_impact.kernel.ode.dense_output import event_fraction, fraction_at_time, interpolate_state
 from chain_impact.kernel.ode.falls import correct_falls
 from chain_impact.kernel.ode.folds import correct_near_fold
 from chain_impact.kernel.ode.last_step import (
@@ -36,6 +31,7 @@ from chain_impact.kernel.ode.last_step import (
     truncate_to_communication_point,
 )
 from chain_impact.kernel.ode.maximum import maximum_of
+from chain_impact.kernel.ode.quadratures import commit_quadratures
 from chain_impact.kernel.record.constants import KINK, NO_EVENT, ONSET, OUTPUT_READER, SOLVER_READER
 from chain_impact.kernel.transmitted_forces import raise_joint_force_peaks
 

@@ -68,9 +68,9 @@ from chain_impact.kernel.forces.holding import (
     solve_positions,
     work_of_impulses,
 )
-from chain_impact.kernel.ode.dense_output import add_impulses_of_impact
 from chain_impact.kernel.ode.falls import project_end
 from chain_impact.kernel.ode.last_step import count_dissipated, count_supplied
+from chain_impact.kernel.ode.quadratures import add_impulses_of_impact
 from chain_impact.kernel.record.constants import NEIGHBOUR, ONSET, RELEASE
 from chain_impact.kernel.record.state import velocity_at
 

@@ -12,7 +12,7 @@ from chain_impact.kernel.equations import energy_balance
 from chain_impact.kernel.events.handlers import restart_contacts_and_modes
 from chain_impact.kernel.events.marks import drop_events
 from chain_impact.kernel.function_marks import has_dual_rule
-from chain_impact.kernel.ode.dense_output import commit_quadratures, fraction_at_time
+from chain_impact.kernel.ode.dense_output import fraction_at_time
 from chain_impact.kernel.ode.falls import correct_falls
 from chain_impact.kernel.ode.last_step import (
     count_supplied,
@@ -21,6 +21,7 @@ from chain_impact.kernel.ode.last_step import (
     reset_step,
     truncate_step,
 )
+from chain_impact.kernel.ode.quadratures import commit_quadratures
 from chain_impact.kernel.record.constants import SOLVER_READER
 from chain_impact.kernel.record.input_fields import CHANNEL
 from chain_impact.kernel.record.method import is_regularized

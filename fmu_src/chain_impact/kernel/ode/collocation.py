@@ -26,7 +26,7 @@ from chain_impact.kernel.constraints.impulses import any_constraint
 from chain_impact.kernel.cost import count_evaluations, count_other_cost
 from chain_impact.kernel.equations import clear_stage_notes
 from chain_impact.kernel.mathematics.powers import power
-from chain_impact.kernel.ode.dense_output import BASIS_POWERS, copy_tried_quadratures, interpolate_state
+from chain_impact.kernel.ode.dense_output import BASIS_POWERS, interpolate_state
 from chain_impact.kernel.ode.extended_state import (
     clearance_at,
     clearance_count,
@@ -44,6 +44,7 @@ from chain_impact.kernel.ode.extended_state import (
     solve_real,
 )
 from chain_impact.kernel.ode.friction_work import correct_friction_energy, store_friction_forces, work_along
+from chain_impact.kernel.ode.quadratures import copy_tried_quadratures
 from chain_impact.kernel.ode.radau import (
     END_WEIGHTS,
     MOST_ITERATIONS,

@@ -18,7 +18,7 @@ from chain_impact.kernel.combinators import join_functions
 from chain_impact.kernel.constraints.geometry import clearance_acceleration, clearance_and_rate, has_sticking
 from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.function_marks import inlined
-from chain_impact.kernel.ode.dense_output import set_quadrature_stage, set_quadrature_stage_at_end
+from chain_impact.kernel.ode.quadratures import set_quadrature_stage, set_quadrature_stage_at_end
 from chain_impact.kernel.ode.step_control import (
     END_OVERSHOOT,
     controlled_count,

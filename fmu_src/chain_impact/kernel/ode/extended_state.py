@@ -69,7 +69,7 @@ from chain_impact.kernel.forces.active_contacts import apply_contact, clear_appl
 from chain_impact.kernel.forces.force_formula import law_slopes
 from chain_impact.kernel.forces.friction import apply_friction
 from chain_impact.kernel.forces.holding import add_constraint_forces, power_of_prescribed_motions
-from chain_impact.kernel.ode.dense_output import set_quadrature_rates
+from chain_impact.kernel.ode.quadratures import set_quadrature_rates
 from chain_impact.kernel.record.state import coordinate_count, sundman_u_at, supplied_at, velocity_at
 
 

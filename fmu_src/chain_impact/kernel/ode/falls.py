@@ -5,8 +5,9 @@ balance (balance.py) ignore this change: the motion had the error before.
 """
 
 from chain_impact.kernel.forces.holding import project_state
-from chain_impact.kernel.ode.dense_output import correct_falling_quadratures, without_fall
+from chain_impact.kernel.ode.dense_output import without_fall
 from chain_impact.kernel.ode.last_step import correct_dissipated
+from chain_impact.kernel.ode.quadratures import correct_falling_quadratures
 from chain_impact.kernel.record.state import dissipated_at
 
 

@@ -21,17 +21,15 @@ from chain_impact.kernel.equations import rate_from_points, rate_from_state
 from chain_impact.kernel.forces.friction import move_missed_anchors
 from chain_impact.kernel.forces.holding import project_state
 from chain_impact.kernel.ode import collocation, explicit
-from chain_impact.kernel.ode.dense_output import (
+from chain_impact.kernel.ode.dense_output import change_up_to, fraction_at_time, interpolate_state
+from chain_impact.kernel.ode.friction_work import change_in_step, uncounted_work
+from chain_impact.kernel.ode.quadratures import (
     accept_quadratures,
-    change_up_to,
-    fraction_at_time,
-    interpolate_state,
     reset_quadratures,
     roll_back_quadratures,
     store_end_rates,
     truncate_quadratures,
 )
-from chain_impact.kernel.ode.friction_work import change_in_step, uncounted_work
 from chain_impact.kernel.ode.step_control import clear_faded, scale_next_size
 from chain_impact.kernel.ode.sundman import find_lone_contact, time_rate_for_sizes
 from chain_impact.kernel.record.constants import (

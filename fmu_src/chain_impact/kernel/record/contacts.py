@@ -317,9 +317,9 @@ def peaks_dtype() -> np.dtype:
     )
 
 
-@written_by("ode/dense_output.py", impulse_at_onset="forces/active_contacts.py")
+@written_by("ode/quadratures.py", impulse_at_onset="forces/active_contacts.py")
 def quadrature_dtype(candidate_count: int, friction_element_count: int) -> np.dtype:
-    """Return the layout of the quadratures: integrals along the motion, in the order of ode/dense_output.py.
+    """Return the layout of the quadratures: integrals along the motion, in the order of ode/quadratures.py.
 
     ``integral`` and ``rate`` have an entry for each quadrature. The fields after ``index`` have entries only
     for the quadratures that steps integrate at present, in the order of ``index``.

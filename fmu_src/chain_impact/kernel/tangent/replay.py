@@ -48,7 +48,6 @@ from chain_impact.kernel.ode.collocation import (
     set_step_end,
     solve_systems,
 )
-from chain_impact.kernel.ode.dense_output import correct_falling_quadratures
 from chain_impact.kernel.ode.extended_state import (
     clearance_count,
     extend_start,
@@ -65,6 +64,7 @@ from chain_impact.kernel.ode.last_step import (
     truncate_step,
 )
 from chain_impact.kernel.ode.methods import begin_explicit
+from chain_impact.kernel.ode.quadratures import correct_falling_quadratures
 from chain_impact.kernel.ode.radau import REAL_EIGENVALUE
 from chain_impact.kernel.ode.step_control import begin_trial
 from chain_impact.kernel.record.constants import CONTACT_ENDS, RADAU_STAGES

@@ -14,7 +14,7 @@ from chain_impact.kernel.constraints import impulses
 from chain_impact.kernel.events import friction_modes, saturation, segments
 from chain_impact.kernel.forces import force_formula, holding, user_law
 from chain_impact.kernel.mathematics import angles, exponentials, logarithms, powers
-from chain_impact.kernel.ode import dense_output, sundman_rate
+from chain_impact.kernel.ode import dense_output, quadratures, sundman_rate
 from chain_impact.kernel.ode.last_step import evaluate_start
 from chain_impact.kernel.record.method import is_regularized
 from chain_impact.kernel.record.state import sundman_u_at, time_at
@@ -140,7 +140,7 @@ def limit_energy(_t, energy, _start, _end):
 
 
 def limit_impulse(impulse, _below, _above):
-    """Return ``impulse``, without limits: see ``dense_output.limit_impulse``."""
+    """Return ``impulse``, without limits: see ``quadratures.limit_impulse``."""
     return impulse
 
 
@@ -280,7 +280,7 @@ DUAL_RULES = {
     dense_output.fraction_at_time: fraction_at_time,
     dense_output.event_fraction: event_fraction,
     dense_output.limit_energy: limit_energy,
-    dense_output.limit_impulse: limit_impulse,
+    quadratures.limit_impulse: limit_impulse,
     dense_output.without_fall: without_fall,
     transmitted_forces.time_of_peak: time_of_peak,
     segments.shift_start: shift_start,
