@@ -24,7 +24,7 @@ def test_curves_are_drawn_into_a_file(run, here):
         assert float(width) == pytest.approx(72.0 * 84.0 / 25.4)
     for more, text in (
         (
-            ("--curves", "energy.*,*.x", "--plot", "a.svg", "--size", "84x80"),
+            ("--curves", "energy.*,*.x", "--plot", "a.svg", "--size", "84x60"),
             "no room for its panels: it must be at least",
         ),
         (("--csv", "a.csv", "--size", "84"), "--size: it is the size of a picture: give --plot FILE too"),

@@ -98,7 +98,7 @@ def test_laws_are_compared_at_a_wall_where_stops_keep_their_law(kept):
     other = found["kelvin_voigt"]
     energy = 0.5 * at_wall["effective_mass"] * at_wall["impact_speed"] ** 2
     assert depth(other.stiffness, 1.0, energy) == pytest.approx(depth(1e8, 1.5, energy), rel=1e-12)
-    assert "for e = 0.25 in the first impact" in headline(found)
+    assert "in the first impact, for e = 0.25" in headline(found)
     assert conditions(found, looks_of(found)).startswith("first impact at a wall of ")
 
 
