@@ -7,7 +7,7 @@ import pytest
 from tests.fmu.clean import importing
 from tests.fmu.importer import MESSAGES, FMICallException, Instance, refused
 
-# The functions without assertions, and those for importing(), run in the clean process.
+# All tests here run in the clean process, by the decorator importing().
 
 
 @pytest.mark.full("more cases", but=2)

@@ -124,9 +124,15 @@ def test_a_chart_of_inputs_tells_why_it_has_no_curve_of_a_pin(show):
 
 
 def test_the_loss_of_a_contact_is_the_area_of_its_loop(script):
-    loop = {"penetration": [0, 0.001, 0.002, 0.001, 0], "force": [0, 1000, 2000, 500, 0]}
-    assert script.evaluate("lossText", loop) == "loss\u00a00.50\u202fJ"
-    small = {**loop, "force": [0, 0.01, 0.02, 0.005, 0]}
-    assert script.evaluate("lossText", small) == "loss\u00a05.0\u202fµJ"
-    lossless = {**loop, "force": [0, 1000, 2000, 1000, 0]}
-    assert script.evaluate("lossText", lossless) == "loss below 0.2\u202f%"
+    depth = np.concatenate([np.linspace(0.0, 0.002, 41), np.linspace(0.002, 0.0, 41)])
+
+    def told(most, back, every=1):
+        force = np.concatenate([np.linspace(0.0, most, 41), back * np.linspace(most, 0.0, 41)])
+        loop = {"penetration": depth[::every].tolist(), "force": force[::every].tolist()}
+        return script.evaluate("lossText", loop)
+
+    assert told(2000.0, 0.75) == "loss\u00a00.50\u202fJ"
+    assert told(0.02, 0.75) == "loss\u00a05.0\u202fµJ"
+    assert told(2000.0, 1.0) == "loss below 0.2\u202f%"
+    assert told(2000.0, 0.75, every=3) == "", "too few rows for a number"
+    assert told(2000.0, 1.1) == "", "no loss"

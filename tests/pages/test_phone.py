@@ -130,6 +130,8 @@ def test_a_phone_has_motion_pins_and_force_above_the_parameters(show, scheme):
     above = "(cells) => cells.map((one) => getComputedStyle(one, '::before').content.slice(1, -1))"
     told = [row.locator("td:not(.reference)").evaluate_all(above) for row in card.locator("tbody tr").all()]
     assert told == [heads, heads[:3]], "each number has its head above"
+    shown = "(cells) => cells.map((one) => getComputedStyle(one, '::before').display)"
+    assert {*card.locator("tbody td:not(.reference)").evaluate_all(shown)} == {"block"}
     cells = card.locator("tbody tr").first.locator(":is(th, td):visible").all()
     assert len(cells) == 7
     assert len({cell.bounding_box()["y"] for cell in cells}) == 3, "a name, and two lines of numbers"

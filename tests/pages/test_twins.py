@@ -358,3 +358,7 @@ def test_the_colours_of_counts(script, least, most):
     bins, shares = script.evaluate(STEPS, [most, least])
     assert bins == count_bins(least, most)
     assert shares == [0.0, 1.0]
+
+
+def test_a_wall_may_have_the_name_of_a_property_of_every_object(script):
+    assert script.evaluate("(angle) => normalOf('constructor', angle)", 0.0) == [0, 1]

@@ -221,7 +221,7 @@ def imports_of(folder):
 
 
 def test_only_the_lowering_imports_numba():
-    """An installation with prebuilt kernels needs no compiler."""
+    """With prebuilt kernels only a law of the user's own needs numba, when it is compiled."""
     compilers = ("numba", "llvmlite")
     users = {file.stem for file in MODULES if len(others(file, compilers)) < len([*imported(file)])}
     of_lowering = {"collecting", "dual_numbers", "entry_points", "functions", "law", "record_type"}

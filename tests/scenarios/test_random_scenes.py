@@ -152,7 +152,7 @@ def test_impacts_and_counts_do_not_depend_on_the_output_step(seeds):
 @pytest.mark.full("more cases", but="plain")
 @pytest.mark.parametrize("kind", ["plain", "stops", "friction"])
 def test_no_step_reads_what_observing_writes(kind):
-    """After each observation the test spoils all that it changed but for OBSERVED; the run is the same."""
+    """After each observation the test spoils the real numbers that it changed, except in OBSERVED."""
     spoiled = 0
     for seed in SEEDS[kind]:
         try:

@@ -85,7 +85,7 @@ def units_in_comments():
 
 
 def test_the_comment_on_a_parameter_begins_with_the_unit_of_its_key():
-    """A row for the slider after those of joints may have no comment of its own."""
+    """A field with a row for each joint and a last one for the slider has the comment of one of them."""
     units, told = defaultdict(set), dict(units_in_comments())
     for kind in KINDS.values():
         units[tuple(map(str, kind.record_path[:2]))].add(unit_text(kind.unit))

@@ -108,9 +108,10 @@ def with_small_steps(
     """Return derivatives with smaller steps of parameters that are 0, whose curves suit those of the others.
 
     1 % of 0 is 0, so that the step of such a parameter is arbitrary. The step gets the largest of STEP_PARTS
-    with which the changes of no output are more than MOST_OF_ZERO times the largest by another parameter, if
-    this is not 0; without such a part, the whole step stays. Only curves use these steps; the legend has
-    their factors, and all numbers are for the whole step. If all or no parameters are 0, nothing changes.
+    with which the changes of no output are more than MOST_OF_ZERO times the largest by a parameter that is
+    not 0, if this largest change is not 0; without such a part, the whole step stays. Only curves use these
+    steps; the legend has their factors, and all numbers are for the whole step. If all or no parameters are
+    0, nothing changes.
     ``is_known`` is the result of ``known_changes``.
     """
     is_zero = np.array([value == 0.0 for value in sensitivities.parameters.values()])

@@ -91,9 +91,9 @@ class Result(PrintedResult, SceneRecording):
     def __getitem__(self, name: str | list[str]) -> np.ndarray | dict[str, np.ndarray]:
         """Return an output or given input over time by its name, shape (T,), or a dict: name → values.
 
-        A name without ``*`` gives the array. A pattern, which is a name with ``*``, gives a dict, and so does
-        a list of names and patterns. Type checkers assume that a single text gives an array; for them, write
-        a single pattern in a list.
+        A name of a column gives the array. A pattern, which is a name with ``*``, gives a dict, and so do a
+        name as in the scene file and a list of names and patterns. Type checkers assume that a single text
+        gives an array; for them, write a single pattern in a list.
 
         Raises:
             UnknownNameError: a KeyError, when no output has the name.

@@ -133,7 +133,7 @@ def at_start(tolerance=1e-8, **tables):
     ("gap", "gap_rate", "size"),
     [
         (-0.5, 1.0, 0.5 * collocation.END_OVERSHOOT),  # s, in which it leaves
-        (-0.99, 1.0, 1.0),  # the contact began in this step, shortly before its end
+        (-0.99, 1.0, 1.0),  # the contact ends in this step, but so shortly before its end that the size stays
         (-2.0, 1.0, 1.0),
         (-0.5, -1.0, 1.0),  # the point moves inward
         (-0.9 * collocation.FORCELESS_PART, 1.0, 1.0),  # the point has almost left

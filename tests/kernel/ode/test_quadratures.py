@@ -80,7 +80,7 @@ def test_without_them_the_motion_is_the_same_bit_by_bit():
     assert one.statistics == other.statistics
 
 
-# --- beside a step ------------------------------------------------------------------------------------------
+# --- single functions ---------------------------------------------------------------------------------------
 
 TOUCHED = [1, 3]
 FIELDS = ("state", "state_end", "tried_state", "integral", "rate", "rate_end", "impulse_at_onset")

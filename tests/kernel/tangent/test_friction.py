@@ -159,7 +159,7 @@ def test_a_speed_is_negligible_as_long_as_all_that_was_left_open_is(monkeypatch,
 
 
 def test_a_stopped_element_has_no_derivative_of_its_speed(monkeypatch, t):
-    """Element 2 has just stopped: only the derivatives of its speed become zero."""
+    """Element 2 begins to stick: derivatives of rates change, those of positions and all values stay."""
     t.friction.stuck_count, t.friction_element.stuck_index = 2, [1, 2]
     t.friction_element.mode_before = [STICKS, STICKS, 1]
     assert friction.any_begins_to_stick(t)

@@ -78,6 +78,16 @@ def test_long_names_of_choices_are_level_in_a_column_of_a_page():
     assert not numbers_meet(page.axes[-2].xaxis)
 
 
+@pytest.mark.full("takes long")
+def test_names_of_many_choices_are_upright_and_whole():
+    laws = "flores,hertz,herbert_mcwhannell,hunt_crossley,jankowski,lankarani_nikravesh,zhang_sharf"
+    vary = {"contact.stiffness": "1e6:1e9:log", "contact.model": laws}
+    page = sweep(SCENE, vary, samples=24).plot(size=(84 / 25.4, None))
+    labels = page.axes[-2].get_xticklabels()
+    assert {label.get_text() for label in labels} == {*laws.split(",")}
+    assert {label.get_rotation() for label in labels} == {90.0}
+
+
 def test_the_text_tells_a_course_that_falls_and_rises():
     """At equal stiffness the force is least at a middle restitution; a correlation of ranks is about 0."""
     vary, name = {"contact.restitution": "0.3:0.9", "contact.stiffness": "1e6:1e9:log"}, "contact.restitution"

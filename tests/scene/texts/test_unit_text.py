@@ -58,7 +58,17 @@ def test_a_quantity_with_a_unit_is_told_as_a_number(text, unit, number):
 
 @pytest.mark.parametrize(
     ("text", "number"),
-    [("10^7", "1e7"), ("2.5 * 10**-3", "2.5e-3"), ("3·10^+6", "3e6"), ("10", ""), ("2^7", ""), ("10^x", "")],
+    [
+        ("10^7", "1e7"),
+        ("2.5 * 10**-3", "2.5e-3"),
+        ("3·10^+6", "3e6"),
+        ("10", ""),
+        ("2^7", ""),
+        ("10^x", ""),
+        ("2.*10^7", "2e7"),
+        ("02*10^7", "2e7"),
+        ("-10^7", "-1e7"),
+    ],
 )
 def test_a_power_of_ten_is_told_as_a_number(text, number):
     assert power_hint(text) == (f"; write {number}" if number else "")

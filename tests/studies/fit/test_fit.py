@@ -112,7 +112,7 @@ def test_an_estimated_standard_deviation_widens_the_intervals():
 
 @pytest.mark.full("takes long")
 def test_few_values_give_wide_intervals_that_hold_the_truth():
-    """Three peak forces determine K, however many rows the path has: two degrees of freedom."""
+    """K follows from three peak forces, as the tip's path hardly depends on K: two degrees of freedom."""
     path, result = motion(0.9)
     held, widths = 0, []
     for seed in range(40):

@@ -113,11 +113,11 @@ def conditions(comparison: LawRuns[LawRecording], looks: Looks, *, is_small: boo
     """Return the text below the headline.
 
     The text has these parts: effective mass and speed of the first impact; the reason if the e′ do not
-    describe the contact alone (``no_restitution``); the e′ without losses, with a remark if the impact is not
-    free, if this e′ is known, the contact is not ``pressed_again``, and e′ is not 1.00 or the impact is not
-    free; stiffness and tolerance; the peak force of the law without e; the number of grey lines, unless the
-    grey lines are drawn as a band; the end of the runs, if the panel of energy does not show it. If
-    ``is_small``, for a narrow figure, ``rest_of_headline`` comes first.
+    describe the contact alone (``no_restitution``); a remark if the impact is not free; the e′ without losses
+    with a remark, if this e′ is known, the contact is not ``pressed_again``, and e′ is not 1.00 or the impact
+    is not free; stiffness and tolerance; the peak force of the law without e; the number of grey lines,
+    unless the grey lines are drawn as a band; the end of the runs, if the panel of energy does not show it.
+    If ``is_small``, for a narrow figure, ``rest_of_headline`` comes first.
     """
     contact, impact = comparison.contact, comparison.first_impact
     names = ("effective_mass", "impact_speed", "peak_force", "max_penetration")
@@ -328,7 +328,7 @@ def move_to_foot(figure: Figure, handles: Sequence[Any]) -> list[Any]:
     These entries are the crosses and the grey band. The result has the entries that the legend then needs:
     those of lines of laws or, if nothing is written at the foot, all ``handles``.
     """
-    laws = [handle for handle in handles if isinstance(handle, Line2D) and handle.get_color() != GREY]
+    laws = [handle for handle in handles if isinstance(handle, Line2D)]
     other_handles = [handle for handle in handles if handle not in laws]
     marks = [
         f"{'×' if isinstance(key, PathCollection) else 'grey'}: {key.get_label()}" for key in other_handles
@@ -337,10 +337,7 @@ def move_to_foot(figure: Figure, handles: Sequence[Any]) -> list[Any]:
 
 
 def legend_handles(looks: Looks, *panels: Axes) -> list[Any]:
-    """Return the entries of the legend of panels: laws with a colour, laws of impulses, crosses, a band.
-
-    The last one of ``panels`` must be that of the loops.
-    """
+    """Return the entries of the legend of panels: laws with a colour, laws of impulses, crosses, a band."""
     styles = {look["label"]: Line2D([], [], **look) for look in looks.values() if look["color"] != GREY}
     lines = dict.fromkeys(line.get_label() for axes in panels for line in axes.lines)
     bands: list[Any] = [collection for axes in panels for collection in axes.collections]

@@ -93,11 +93,12 @@ def thin_ticks(axes: Axes) -> None:
     if not numbers_meet(axes.xaxis):
         return
     if not isinstance(axes.xaxis.get_major_locator(), MaxNLocator):
-        choices = [text.get_text() for text in axes.get_xticklabels()]
-        if any(choice[:1].isalpha() for choice in choices):
+        labels = axes.get_xticklabels()
+        choices = [text.get_text().replace("_\n", "_") for text in labels]
+        if any(choice[:1].isalpha() for choice in choices) and not labels[0].get_rotation():
             axes.set_xticks(axes.get_xticks(), [choice.replace("_", "_\n") for choice in choices])
             if numbers_meet(axes.xaxis):
-                axes.tick_params(axis="x", rotation=90)
+                axes.set_xticks(axes.get_xticks(), choices, rotation=90)
         return
     axes.locator_params(axis="x", nbins=LEAST_TICKS, min_n_ticks=LEAST_TICKS, steps=COARSE_STEPS)
     if numbers_meet(axes.xaxis):

@@ -128,9 +128,9 @@ def drawing_style(colours: dict[str, str] = COLOURS) -> Iterator[None]:
 
 @contextmanager
 def type_for(width: float) -> Iterator[None]:
-    """Write in NARROW_TYPE if a figure with a ``width`` [inches] is narrow; a user's settings apply first."""
-    sizes = {key: size for key, size in NARROW_TYPE.items() if mpl.rcParams[key] == mpl.rcParamsDefault[key]}
-    with mpl.rc_context(sizes if width < TWO_COLUMN_WIDTH else {}):
+    """Write in NARROW_TYPE if a figure of a ``width`` [inches] is narrow, unless the user has set a size."""
+    is_usual = all(mpl.rcParams[key] == mpl.rcParamsDefault[key] for key in NARROW_TYPE)
+    with mpl.rc_context(NARROW_TYPE if is_usual and width < TWO_COLUMN_WIDTH else {}):
         yield
 
 

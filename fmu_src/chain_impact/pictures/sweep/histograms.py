@@ -38,8 +38,8 @@ QUANTILES = {0.05: ":", 0.5: "-", 0.95: ":"}
 BARS = (BLUE, 0.4)
 FEW_COUNTS = 5  # the largest number of distances between the numbers at the axis of a histogram
 MOST_SCATTERS = 3  # the largest number of parameters over which each quantity of samples is drawn
-# GOLDEN: the distance of successive dots over a choice, of which the fractions are evenly spread; DOTS_PART:
-# the width of the dots of a choice, relative to the distance of two choices
+# DOTS_PART: the width of the dots of a choice, relative to the distance of two choices; GOLDEN: in this
+# width, the dot of run k stands at the fractional part of k times GOLDEN, so that the dots are evenly spread
 GOLDEN, DOTS_PART = 0.618034, 0.5
 # BOX_WIDTH: that of the box of a choice, relative to the distance of two choices; BOX_LINE: [points]
 BOX_WIDTH, BOX_LINE = 0.6, 0.9

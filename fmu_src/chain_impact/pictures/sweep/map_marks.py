@@ -57,8 +57,8 @@ def place_names(figure: Figure) -> None:
 
     The layout of the figure must be complete. A value has room if it is inside of its map and covers neither
     another contour nor another value; in maps narrower than NARROW_MAP, each value stands in one map only. A
-    name stands where it covers the fewest contours and values. In a map with contours, it is hidden if it
-    covers one or reaches beyond the map: the conditions tell the mark.
+    name stands inside of the map if it can, where it covers the fewest contours and values. In a map with
+    contours, it is hidden if it covers one or reaches beyond the map: the conditions tell the mark.
     """
     numbered_texts = set[str]()
     for axes in figure.axes:

@@ -16,7 +16,7 @@ PREFIXES = {"": 1.0, "m": 1e-3, "c": 1e-2, "k": 1e3, "M": 1e6, "G": 1e9, "µ": 1
 USUAL_UNITS = ("m", "s", "kg", "N", "Pa", "Hz", "J", "m/s", "m/s2", "N.m", "N/m", "N.s", "kg.m2")
 """The units that ``number_hint`` knows by default, each after any of PREFIXES, which replaces the k of kg."""
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(%|[a-zA-Zµ][\w/·.²^]*)\s*")
-_POWER = re.compile(r"\s*(?:([+-]?\d+\.?\d*)\s*[*x×·]\s*)?10\s*(?:\^|\*\*)\s*([+-]?\d+)\s*")
+_POWER = re.compile(r"\s*(?:([+-]?\d+\.?\d*)\s*[*x×·]\s*|([+-]))?10\s*(?:\^|\*\*)\s*([+-]?\d+)\s*")
 
 
 def number_hint(text: str, units: Iterable[str] = USUAL_UNITS) -> str:
@@ -46,7 +46,10 @@ def number_hint(text: str, units: Iterable[str] = USUAL_UNITS) -> str:
 def power_hint(text: str) -> str:
     """Return a hint how to write a power of ten, such as "2*10^7", as a number; "" for any other text."""
     match = _POWER.fullmatch(text)
-    return f"; write {match[1] or 1}e{int(match[2])}" if match else ""
+    if not match:
+        return ""
+    sign = "-" if match[2] == "-" else ""
+    return f"; write {format(float(match[1]), '.12g') if match[1] else sign + '1'}e{int(match[3])}"
 
 
 def _plain_unit(unit: str) -> str:

@@ -10,8 +10,9 @@ const LONG = 3;
 // of forces is then one of square roots, with the extent MOST_OF_ROOTS
 export const [MOST_BESIDE, MOST_OF_ROOTS] = [2.2, 40];
 const ROOT_TICKS_APART = 28; // [pixels] about the least distance between two ticks of an axis of square roots
-// least energy loss that is told as a number, relative to the work up to the largest penetrations; sums over rows have smaller errors
-const LEAST_LOSS = 0.002;
+// least energy loss that is told as a number, relative to the work up to the largest penetrations, and least number of rows during a
+// contact with which sums over rows have smaller errors
+const [LEAST_LOSS, LEAST_ROWS] = [0.002, 40];
 const ROOT_DECADES = 1e-4; // least tick of such an axis, relative to its end
 
 /** Return the largest of the numbers in some arrays, but at least a tiny positive number, so that an axis up to it has a length. */
@@ -59,11 +60,15 @@ export function courseAround(recording, contact) {
   return { times, force: force ?? times.map(() => 0), penetration, friction };
 }
 
-/** Return words for the energy that a contact loses, the area of the loop of its course: the sum over trapezoids between rows. */
+/**
+ * Return words for the energy that a contact loses, the area of the loop of its course: the sum over trapezoids between rows; "" if there
+ * are too few rows during the contact, or if the sum is no loss.
+ */
 export function lossText({ force, penetration }) {
   const works = force.slice(1).map((next, k) => ((next + force[k]) / 2) * (penetration[k + 1] - penetration[k]));
   const sumOf = (numbers) => numbers.reduce((sum, work) => sum + work, 0);
   const [loss, compression] = [sumOf(works), sumOf(works.filter((work) => work > 0))];
+  if (force.filter((value) => value > 0).length < LEAST_ROWS || loss < -LEAST_LOSS * compression) return "";
   return loss > LEAST_LOSS * compression ? `loss\u00a0${amountText(loss, "J", 2)}` : `loss below ${100 * LEAST_LOSS}\u202f%`;
 }
 

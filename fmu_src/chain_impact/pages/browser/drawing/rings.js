@@ -69,7 +69,7 @@ export function impulsesOf({ impacts }, rings) {
 }
 
 /** Return whether an impact is an impulse of a rigid wall: neither that of a stop of a joint, nor that of a rest, which grows with time. */
-const isImpulse = (impact) =>
+export const isImpulse = (impact) =>
   hasImpulseOnly(impact) && !impact.atStop && impact.impulse > 0 && Number.isFinite(impact.separation_speed ?? NaN);
 
 /** Return a function: middle of a place for the numbers of a ring → whether it is clearly nearer to the ring than to any other. */

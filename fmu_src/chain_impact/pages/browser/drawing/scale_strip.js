@@ -1,6 +1,6 @@
 // The strip at the top of the drawing: scale bar, ruler of forces, and legend of arrows. The view of the motion lies below it.
 
-import { hasImpulseOnly } from "../recording/recording.js";
+import { isImpulse } from "./rings.js";
 
 const KEY = 64; // [pixels] width of each entry of the legend of arrows
 const [STRIP_LETTER, BESIDE_BAR] = [7, 8]; // [pixels] width of a letter in the strip, and distance of the text to the scale bar
@@ -25,7 +25,7 @@ export function drawStrip(group, { recording, arrowScale, camera, size: [width],
   group.clear();
   if (lens) group.rect(width, STRIP).addClass("strip-ground");
   const free = recording.drawn.loads.length ? drawKey(group, width) : width;
-  const rulerEnd = recording.peakForce > 0 ? drawRuler(group, arrowScale, free, recording.impacts.some(hasImpulseOnly)) : 0;
+  const rulerEnd = recording.peakForce > 0 ? drawRuler(group, arrowScale, free, recording.impacts.some(isImpulse)) : 0;
   drawScaleBar(group, camera.scale, free, rulerEnd);
 }
 

@@ -20,6 +20,7 @@ export function showFirstSteps(changes) {
     else document.body.dataset.step = next;
   };
   const take = (...steps) => {
+    if (!left.size) return;
     steps.forEach((step) => left.delete(step));
     show();
     if (!left.size) store("first-steps", "taken");

@@ -43,7 +43,7 @@ export function pointText(names, point) {
 
 /** Return the unit normal of a wall towards its free side: of a wall of the box by its name, of any other wall by its angle [rad]. */
 export function normalOf(name, angle) {
-  return NORMALS[name] ?? [-Math.sin(angle), Math.cos(angle)];
+  return Object.hasOwn(NORMALS, name) ? NORMALS[name] : [-Math.sin(angle), Math.cos(angle)];
 }
 
 /** Return the positions [m] of the base and of the end of each link; `links`: [length [m], absolute angle [rad]] of each link. */
