@@ -88,6 +88,15 @@ def test_version_and_number_of_laws_are_right():
 CITED = {"title": "name", "license": "license", "version": "version"}
 
 
+def test_all_pages_together_have_at_most_29000_words():
+    """Words are counted as by ``wc -w``: a word ends at white space."""
+    below = ("benchmarks", "docs", "fmu_src", "models", "packaging", "tests", ".ci")
+    pages = [*ROOT.glob("*.md"), *(page for folder in below for page in (ROOT / folder).rglob("*.md"))]
+    counts = {page: len(page.read_text(encoding="utf-8").split()) for page in pages if page not in MADE}
+    assert counts.keys() > {*PAGES}
+    assert sum(counts.values()) <= 29_000
+
+
 def test_commands_parse_links_lead_to_files_and_tables_are_up_to_date():
     wrong, count = [], 0
     for page in PAGES:
