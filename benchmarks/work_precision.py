@@ -78,7 +78,8 @@ def start_up(name: str, cache: str = "") -> float | None:
 def at_equal_error(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """Return how many times as long the others take as each public run to the same error of the tip.
 
-    Public runs with other impacts are left out, and so are others without a time for this error.
+    Public runs with other impacts or without a time are left out, and so are others without a time for this
+    error.
     """
     found = []
     for mine in rows:

@@ -30,7 +30,7 @@ def built(target: str, folder: Path, platform: str = "") -> Path:
     """Build a wheel or the source distribution into ``folder``; return its path.
 
     Raises:
-        ReleaseError: when that fails, or adds more than one file to the folder.
+        ReleaseError: when that fails, or does not add exactly one file to the folder.
     """
     settings = {PLATFORM: platform, kernels().prebuilt.RELEASE: "1", "SOURCE_DATE_EPOCH": DATE}
     before = set(folder.iterdir())

@@ -198,6 +198,10 @@ def test_ends_of_a_link_touch_in_place_of_its_mesh(tmp_path):
         ('<mujoco><compiler strippath="true"/><option gravity="0 0 -3"/></mujoco>', WARNING),
         ('<mujoco><compiler settotalmass="5"/></mujoco>', WARNING),
         ('<mujoco><compiler strippath="true"/><!-- a remark --></mujoco>', LEFT_OUT),
+        ('<gazebo reference="a"><dampingFactor>0.0</dampingFactor></gazebo>', LEFT_OUT),
+        ('<gazebo reference="u"><gravity>1.0</gravity></gazebo>', LEFT_OUT),
+        ('<mujoco><option timestep="0.001"/><compiler settotalmass="-1"/></mujoco>', LEFT_OUT),
+        ('<sensor name="s"><gravity>0</gravity></sensor>', LEFT_OUT),
     ],
 )
 def test_an_extension_for_a_simulator_that_changes_the_motion_is_a_warning(extension, title):

@@ -4,7 +4,7 @@ Contacts and events:
 
 - ``test_impacts``: force laws and rigid walls; ``test_impact_oscillator``: a mass on a driven spring
 - ``test_grazes``: slight and almost contacts, in the motions of ``grazes``; ``test_faults``: hard searches
-- ``test_walls``: walls at any angle; ``test_wall_at_base``: a wall that reaches a pinned base
+- ``test_walls``: walls at any angle; ``test_wall_at_base``: a wall that reaches the base
 - ``test_friction``: dry friction; ``test_friction_studies``: studies of it
 - ``test_arches``: dry friction with dependent constraints; ``test_folds``: held chains that fold
 - ``test_law_file``: a user's own law

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.status import BASE_BEYOND_WALL
+from chain_impact.scene.checks.checks import base_hints
 from chain_impact.scene.scene import scene_from_dict
 from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.simulate import simulate
@@ -93,3 +94,16 @@ def test_a_wall_parallel_to_a_slider_meets_the_base(angle, points):
     assert caught.value.status == BASE_BEYOND_WALL
     assert str(caught.value).endswith(": the base at the wall w")
     assert caught.value.time == pytest.approx(math.asin(0.2) / (2.0 * math.pi), abs=1e-9)
+
+
+def test_a_base_that_starts_beyond_a_wall_parallel_to_its_line_is_told():
+    table = {
+        "name": "Rail",
+        "chain": {"base": "slider", "slider": {"mass": 2.0}, "links": [{"length": 0.3, "mass": 1.0}]},
+        "walls": [{"name": "w", "point": [0.0, -0.1], "normal": [0.0, -1.0]}],
+        "contact": {"points": [1]},
+        "initial": {"angles": [-1.5]},
+    }
+    assert base_hints(scene_from_dict(table, "rail")) == []
+    (hint,) = base_hints(scene_from_dict(table | {"inputs": {"wall_motion": ["w"]}}, "rail"))
+    assert hint.startswith("initial: the base at (0, 0) m is 0.1 m beyond the wall w")

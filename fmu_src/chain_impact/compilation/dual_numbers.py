@@ -37,16 +37,16 @@ class Dual(types.Type):
         super().__init__(name=f"dual{DIRECTIONS}")
 
     def can_convert_from(self, _context: Any, other_type: types.Type) -> Conversion | None:
-        """Return how numba converts ``other`` to this type; None if ``other`` is no type of numbers or bools.
+        """Return how numba converts a type to this type; None if it is no type of numbers or bools.
 
         The derivatives of a converted number are 0.
         """
         return Conversion.promote if isinstance(other_type, types.Number | types.Boolean) else None
 
     def unify(self, _context: Any, other_type: types.Type) -> types.Type | None:
-        """Return the type of a variable that has values of this type and of the type ``other``: this type.
+        """Return the type of a variable that has values of this type and of another type: this type.
 
-        The result is None if ``other`` is no type of numbers or bools.
+        The result is None if the other type is no type of numbers or bools.
         """
         return self if isinstance(other_type, types.Number | types.Boolean) else None
 

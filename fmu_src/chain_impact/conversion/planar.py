@@ -283,7 +283,7 @@ class _Conversion:
     def _mass(self, part: list[int], hinge: MovingJoint, axis: np.ndarray) -> dict[str, float]:
         """Return a link's mass, centre of mass (from ``hinge``) and inertia about this centre by their keys.
 
-        An offset of 0 is left out; no mass is refused. ``part``: indices of its bodies; ``axis``: its line.
+        An offset of 0 is left out; a link needs a mass. ``part``: indices of its bodies; ``axis``: along it.
         """
         name = hinge.joint.name
         mass, center, inertia = self._inertia(part, hinge)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -37,6 +38,8 @@ MIMIC_REASONS = {"mimic": "it follows another joint in the file, and moves freel
 """Element of a moving joint that changes the motion, and that scenes lack → the rest of the sentence on it.
 
 In a fixed joint, such an element has no effect, and is not reported."""
+EXTENSIONS = ("gazebo", "mujoco")
+"""Elements for one simulator."""
 MOTION_EXTENSIONS = {
     "gravity": "true 1",
     "turnGravityOff": "false 0",
@@ -44,13 +47,19 @@ MOTION_EXTENSIONS = {
     "springStiffness": "0",
     "springReference": "0",
     "dampingFactor": "0",
-    "option": "",
 }
-"""Element in an extension for one simulator, Gazebo or MuJoCo, that changes the motion there.
+"""Element in EXTENSIONS for one simulator, Gazebo or MuJoCo, that changes the motion there.
 
 The values are texts with which the element has no effect, separated by spaces."""
-MASS_SETTINGS = {"settotalmass", "boundmass", "boundinertia", "inertiafromgeom"}
-"""Attributes of MuJoCo's ``compiler`` element that change masses and inertias."""
+MASS_SETTINGS = {
+    "settotalmass": "-1",
+    "boundmass": "0",
+    "boundinertia": "0",
+    "inertiafromgeom": "auto",
+}
+"""Attribute of MuJoCo's ``compiler`` element that changes masses or inertias → the value without effect."""
+OTHER_OPTIONS = {"timestep", "integrator", "solver", "iterations", "tolerance", "cone", "jacobian"}
+"""Attributes of MuJoCo's ``option`` element that choose how a motion is computed, not which motion."""
 
 
 def check_elements(root: Element, path: Path) -> None:
@@ -107,7 +116,11 @@ def other_elements(root: Element) -> Iterator[Difference]:
                 dict.fromkeys(child.tag for child in part if isinstance(child.tag, str))
             )
             text = f"is not in the scene{f': {children_text}' if children_text else ''}"
-            effect = SceneAspect.MOTION if any(map(_changes_motion, part)) else SceneAspect.NONE
+            effect = (
+                SceneAspect.MOTION
+                if part.tag in EXTENSIONS and any(map(_changes_motion, part))
+                else SceneAspect.NONE
+            )
             yield Difference(kind=f"element {part.tag}", name=name, text=text, effect=effect)
             continue
         yield from _attributes(part, f"robot/{part.tag}", part)
@@ -122,9 +135,16 @@ def other_elements(root: Element) -> Iterator[Difference]:
 
 def _changes_motion(element: Element) -> bool:
     """Return whether ``element``, in an extension for one simulator, changes the motion in this simulator."""
+    if element.tag == "option":
+        return not OTHER_OPTIONS.issuperset(element.attrib)
     if element.tag in MOTION_EXTENSIONS:
-        return (element.text or "").strip().lower() not in MOTION_EXTENSIONS[element.tag].split()
-    return element.tag == "compiler" and not MASS_SETTINGS.isdisjoint(element.attrib)
+        text = (element.text or "").strip().lower()
+        return re.sub(r"\.0*$", "", text) not in MOTION_EXTENSIONS[element.tag].split()
+    return element.tag == "compiler" and any(
+        value not in MASS_SETTINGS[key].split()
+        for key, value in element.attrib.items()
+        if key in MASS_SETTINGS
+    )
 
 
 def _inner_elements(part: Element, path: str) -> Iterator[tuple[str, Element]]:

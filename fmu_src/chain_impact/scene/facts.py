@@ -182,7 +182,7 @@ class SceneFacts(dict[str, Any]):
 
         Raises:
             KeyError: when there is no such fact or list.
-            AttributeError: when ``name`` has a dot and is no key of the file.
+            AttributeError, ValueError: when ``name`` has a dot and is no key of [inputs] or [outputs].
         """
         value: Any
         if name in FACTS:

@@ -48,7 +48,7 @@ def named_inputs(inputs: GivenInputs | None, interpolation: Interpolation, scene
         allowed_text = f"must be {', '.join(other_interpolations)} or {last}"
         raise SceneError(f"{scene.name}: interpolation = {interpolation!r} {allowed_text}")
     if inputs is None or (isinstance(inputs, Mapping) and TIME not in inputs):
-        return NamedInputs(cast("Mapping[str, InputSource]", inputs or {}), interpolation)
+        return NamedInputs(dict(cast("Mapping[str, InputSource]", inputs or {})), interpolation)
     table = read_table(cast("TableSource", inputs))
     times, columns = samples_of(table, scene.simulation.stop_time)
     warn(table.source, gap_hints(times))

@@ -35,7 +35,7 @@ from chain_impact.kernel.chain.sites import joint_place, site_of_point, site_pla
 from chain_impact.kernel.chain.slider import slider_component
 from chain_impact.kernel.record.constants import WALLS
 
-# [m] the largest depth in a wall at which a point, or a pinned base, may start a run: a point that touches
+# [m] the largest depth in a wall at which a point, or the base, may start a run: a point that touches
 # the wall may have this depth by round-off of positions and sines
 ALLOWED_OVERLAP = 1e-12
 BOX_NORMALS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))

@@ -224,15 +224,21 @@ def start_hint(axis: str, start: float, given_value: float) -> str:
 
 
 def base_hints(scene: SceneContents) -> list[str]:
-    """Return a sentence for each wall that a pinned base, taken without radius, is beyond at the start.
+    """Return a sentence for each wall that the base, taken without radius, is beyond at the start.
 
-    Such a start is allowed, because walls do not act on a pinned base; but the wall is probably misplaced.
+    Only walls that cannot touch the base count: all walls of a pinned base, and walls that may move, and are
+    parallel to its line, of a base that slides. If nothing moves, the start is allowed, but the wall is
+    probably misplaced.
     """
-    if scene.chain.base != "pinned":
-        return []
     x, y = scene.base_at_start
-    depths = {name: -wall.clearance(x, y) for name, wall in scene.walls_at_start.items()}
-    base_text = f"initial: the pinned base at {_position(x, y)} is"
+    walls = {
+        name: wall
+        for name, wall in scene.walls_at_start.items()
+        if scene.chain.base == "pinned"
+        or (scene.keeps_distance(0, wall) and {"*", name} & {*scene.inputs.wall_motion})
+    }
+    depths = {name: -wall.clearance(x, y) for name, wall in walls.items()}
+    base_text = f"initial: the {'pinned ' * (scene.chain.base == 'pinned')}base at {_position(x, y)} is"
     return [
         f"{base_text} {depth:.6g} m beyond the wall {name}, which it cannot touch: is the wall misplaced?"
         for name, depth in depths.items()
