@@ -48,7 +48,7 @@ MOTION_EXTENSIONS = {
     "springReference": "0",
     "dampingFactor": "0",
 }
-"""Element in EXTENSIONS for one simulator, Gazebo or MuJoCo, that changes the motion there.
+"""Element in EXTENSIONS that changes the motion in the simulator.
 
 The values are texts with which the element has no effect, separated by spaces."""
 MASS_SETTINGS = {
@@ -141,9 +141,7 @@ def _changes_motion(element: Element) -> bool:
         text = (element.text or "").strip().lower()
         return re.sub(r"\.0*$", "", text) not in MOTION_EXTENSIONS[element.tag].split()
     return element.tag == "compiler" and any(
-        value not in MASS_SETTINGS[key].split()
-        for key, value in element.attrib.items()
-        if key in MASS_SETTINGS
+        element.get(key, default) != default for key, default in MASS_SETTINGS.items()
     )
 
 

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from chain_impact.kernel.record.constants import WALLS
 from chain_impact.recording.curves import Curves, curves_of, impact_numbers
 from chain_impact.recording.impact_course import ImpactCourse, RepeatableRun, course_of
 from chain_impact.recording.passed_walls import points_through_walls
@@ -46,11 +45,9 @@ class SceneRecording(Recording):
 
         The list is empty if ``simulate(output=…)`` left out positions of points.
         """
-        # ``wall_names`` lacks walls at any angle if no point can touch a wall
-        names = (*WALLS, *(wall.name for wall in self.scene.walls))
         walls = {
             number: (name, self.walls[name], self.moved_walls.get(name, 0.0))
-            for number, name in enumerate(names)
+            for name, number in self.scene.wall_numbers.items()
             if name in self.walls
         }
         try:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from itertools import product
 
-from chain_impact.kernel.record.constants import WALLS
 from chain_impact.scene.contents import SceneContents
 
 
@@ -58,6 +57,5 @@ def point_wall_pairs(scene: SceneContents) -> list[tuple[int, int]]:
     A pair has the number of the point and the index of the wall in ``scene.wall_names``. All pairs of a point
     come together, in the order of the walls; the points are in the order of ``scene.touching_points``.
     """
-    numbers = {name: w for w, name in enumerate((*WALLS, *(wall.name for wall in scene.walls)))}
-    pairs = product(scene.touching_points, scene.half_planes.items())
+    numbers, pairs = scene.wall_numbers, product(scene.touching_points, scene.half_planes.items())
     return [(k, numbers[name]) for k, (name, plane) in pairs if not scene.keeps_distance(k, plane)]

@@ -14,12 +14,11 @@ from dataclasses import fields
 from typing import Any, TypeVar
 
 from chain_impact.scene.checks.checks import (
-    LIGHT_LINK,
-    LONG_LINK,
     angle_hints,
     base_hints,
     check_joint_angles,
     check_start,
+    is_long_for_its_mass,
     start_hints,
 )
 from chain_impact.scene.contents import AnyScene, SceneContents
@@ -159,8 +158,8 @@ def _with_link(scene: AnyScene, i: int, key: str, value: float) -> AnyScene | No
     """Return the scene with another ``value`` of the ``key`` of the link with index ``i``.
 
     If the key is ``mass``, a derived inertia follows. The result is None if the link does not exist, if the
-    link is long for its mass before or after the change (LONG_LINK, LIGHT_LINK), or if a change of the mass
-    or inertia would give an inertia that is not a finite number > 0.
+    link is long for its mass before or after the change, or if a change of the mass or inertia would give an
+    inertia that is not a finite number > 0.
     """
     links = scene.chain.links
     if i >= len(links):
@@ -172,7 +171,7 @@ def _with_link(scene: AnyScene, i: int, key: str, value: float) -> AnyScene | No
         link = _replace_fields(
             link, inertia=rule.value({key: getattr(link, key) for key in ("mass", "length", "height")})
         )
-    if key == "mass" and link.length > LONG_LINK and min(links[i].mass, link.mass) < LIGHT_LINK * link.length:
+    if key == "mass" and any(map(is_long_for_its_mass, (links[i], link))):
         return None
     if key in ("mass", "inertia") and not 0.0 < link.inertia < math.inf:
         return None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Literal, cast
+from typing import Literal, cast, get_args
 
 from numpy.typing import ArrayLike
 
@@ -21,7 +21,7 @@ GivenInputs = Mapping[str, InputSource] | TableSource
 """Name of an input → its value over time; or a table with the column ``time`` and one for each input."""
 Interpolation = Literal["follow", "hold", "linear", "spline"]
 """How an input acts between its samples, or between calls of its function: see ``simulate``."""
-INTERPOLATIONS = ("follow", "hold", "linear", "spline")
+INTERPOLATIONS: tuple[Interpolation, ...] = get_args(Interpolation)
 
 
 @dataclass(frozen=True)

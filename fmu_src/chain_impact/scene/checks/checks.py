@@ -20,7 +20,7 @@ from chain_impact.scene.contents import SceneContents
 from chain_impact.scene.errors import SceneError, error_at, no_wall_error, value_text
 from chain_impact.scene.files.table_file import gap_hints
 from chain_impact.scene.kernel_view import chain_view
-from chain_impact.scene.keys.chain_tables import ChainTable
+from chain_impact.scene.keys.chain_tables import ChainTable, Link
 from chain_impact.scene.texts.angles import radians_hint, turns_hint
 from chain_impact.scene.texts.names import AXES, path_text
 
@@ -178,17 +178,22 @@ def size_hints(scene: SceneContents) -> list[str]:
     return texts
 
 
+def is_long_for_its_mass(link: Link) -> bool:
+    """Return whether the length of a link is probably given in mm (LONG_LINK, LIGHT_LINK)."""
+    return link.length > LONG_LINK and link.mass < LIGHT_LINK * link.length
+
+
 def length_hints(scene: SceneContents) -> list[str]:
     """Return at most two questions whether a length is in mm.
 
-    One is on the first link that is long for its mass (LONG_LINK, LIGHT_LINK), one on the first point of a
-    link that is far from the proximal joint of the link (FAR_POINT).
+    One is on the first link that is long for its mass, one on the first point of a link that is far from the
+    proximal joint of the link (FAR_POINT).
     """
     links, total = scene.chain.links, sum(link.length for link in scene.chain.links)
     long_links = [
         f"link[{i}].length = {link.length:g} m is long for link[{i}].mass = {link.mass:g} kg: is it in mm?"
         for i, link in enumerate(links, 1)
-        if link.length > LONG_LINK and link.mass < LIGHT_LINK * link.length
+        if is_long_for_its_mass(link)
     ]
     far_points = [
         f"point {number} is {distance:g} m from the joint of its link, far for a chain of {total:g} m: "
