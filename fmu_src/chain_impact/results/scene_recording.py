@@ -15,7 +15,7 @@ from chain_impact.recording.passed_walls import points_through_walls
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.results.ranking import Ranking, ranking_of
-from chain_impact.scene.candidates import point_wall_pairs
+from chain_impact.scene.candidates import point_wall_pairs, wall_numbers
 from chain_impact.scene.errors import UnknownNameError, names_matching
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.prepared import PreparedScene
@@ -47,7 +47,7 @@ class SceneRecording(Recording):
         """
         walls = {
             number: (name, self.walls[name], self.moved_walls.get(name, 0.0))
-            for name, number in self.scene.wall_numbers.items()
+            for name, number in wall_numbers(self.scene).items()
             if name in self.walls
         }
         try:

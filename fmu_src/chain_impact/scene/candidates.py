@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from itertools import product
 
+from chain_impact.kernel.record.constants import WALLS
 from chain_impact.scene.contents import SceneContents
 
 
@@ -51,11 +52,16 @@ def stop_pairs(scene: SceneContents) -> list[tuple[int, int]]:
     return [(joint, names.index(stop)) for joint, stop in scene.chain.stops]
 
 
+def wall_numbers(scene: SceneContents) -> dict[str, int]:
+    """Return name of a wall of the box, or of an entry of ``walls``, → its number; some may touch nothing."""
+    return {name: w for w, name in enumerate((*WALLS, *(wall.name for wall in scene.walls)))}
+
+
 def point_wall_pairs(scene: SceneContents) -> list[tuple[int, int]]:
     """Return the pairs of a point and an existing wall that can touch each other.
 
     A pair has the number of the point and the index of the wall in ``scene.wall_names``. All pairs of a point
     come together, in the order of the walls; the points are in the order of ``scene.touching_points``.
     """
-    numbers, pairs = scene.wall_numbers, product(scene.touching_points, scene.half_planes.items())
+    numbers, pairs = wall_numbers(scene), product(scene.touching_points, scene.half_planes.items())
     return [(k, numbers[name]) for k, (name, plane) in pairs if not scene.keeps_distance(k, plane)]

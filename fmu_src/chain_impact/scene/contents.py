@@ -77,11 +77,6 @@ class SceneContents:
         )
 
     @property
-    def wall_numbers(self) -> dict[str, int]:
-        """Name of a wall of the box or an entry of ``walls`` → its number, also if no point may touch it."""
-        return {name: w for w, name in enumerate((*WALLS, *(wall.name for wall in self.walls)))}
-
-    @property
     def has_joint_stops(self) -> bool:
         """Whether any joint has a stop; without one, all keys of [stops] are None."""
         return self.stops.exponent is not None
