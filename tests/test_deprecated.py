@@ -14,10 +14,10 @@ from chain_impact.simulation.run import RepeatableSceneRun
 EXPORTS = [getattr(chain_impact, name) for name in chain_impact.__all__]
 CLASSES = {RepeatableSceneRun, *filter(inspect.isclass, EXPORTS)}
 OLDER_NAMES = [
-    (kind, older, found.name)
+    (kind, older, attribute.name)
     for kind in sorted(CLASSES, key=lambda kind: kind.__name__)
     for older in dir(kind)
-    if isinstance(found := inspect.getattr_static(kind, older), OlderName)
+    if isinstance(attribute := inspect.getattr_static(kind, older), OlderName)
 ]
 """Each class with older names of its own or of its bases, the older name and the present one."""
 

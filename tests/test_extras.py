@@ -16,7 +16,7 @@ def test_a_package_that_is_there_is_imported():
 
 
 @pytest.mark.parametrize(
-    ("origin", "wanted"),
+    ("origin", "expected"),
     [
         (None, "'chain-impact[sweep]'"),
         ({"url": "file:///a/clone", "dir_info": {}}, "'/a/clone[sweep]'"),
@@ -26,14 +26,14 @@ def test_a_package_that_is_there_is_imported():
         ),
     ],
 )
-def test_a_missing_package_error_names_python_and_extra(monkeypatch, origin, wanted):
+def test_a_missing_package_error_names_python_and_extra(monkeypatch, origin, expected):
     monkeypatch.setattr(extras.sys, "executable", "/a venv/bin/python")
-    known = SimpleNamespace(read_text=lambda _: origin and json.dumps(origin))
-    monkeypatch.setattr(extras, "distribution", lambda _: known)
+    distribution = SimpleNamespace(read_text=lambda _: origin and json.dumps(origin))
+    monkeypatch.setattr(extras, "distribution", lambda _: distribution)
     with pytest.raises(MissingExtraError) as caught:
         require("no_such_package", "sweep")
     assert str(caught.value) == (
-        f"no_such_package is not installed: '/a venv/bin/python' -m pip install {wanted}"
+        f"no_such_package is not installed: '/a venv/bin/python' -m pip install {expected}"
     )
 
 

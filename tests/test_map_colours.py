@@ -21,4 +21,4 @@ def test_counts_share_few_colours_with_limits_between_them(least, most):
     bins = count_bins(least, most)
     assert bins[0] < least <= most < bins[-1]
     assert 2 <= len(bins) - 1 <= 12
-    assert {one % 1.0 for one in bins} == {0.5}
+    assert {middle % 1.0 for middle in bins} == {0.5}

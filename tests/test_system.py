@@ -61,9 +61,9 @@ def test_no_other_modules_ask_for_the_system():
     package = Path(__file__).parents[1] / "fmu_src" / "chain_impact"
     words = ("sys.platform", "platform.system", "platform.machine")
     words += ("os.name", "getuid", "sched_getaffinity", "/proc/", "winreg")
-    found = {
+    asking_files = {
         file.relative_to(package).as_posix()
         for file in package.rglob("*.py")
         if any(word in file.read_text(encoding="utf-8") for word in words)
     }
-    assert found == {"files.py", "system.py"}
+    assert asking_files == {"files.py", "system.py"}

@@ -99,12 +99,12 @@ def refuse_what_is_missing():
     """Raise an error with one sentence that names everything missing for --full."""
     extras = [extra for extra, packages in EXTRAS.items() if not all(map(is_installed, packages))]
     if extras:
-        missing = f"the extras {', '.join(extras)}, which are not installed: pip install -e '.[dev]'"
+        lacking_tools = f"the extras {', '.join(extras)}, which are not installed: pip install -e '.[dev]'"
     elif not (CHROMIUM and FIREFOX):
-        missing = "Chromium and Firefox: sudo apt-get install chromium-headless-shell firefox-esr"
+        lacking_tools = "Chromium and Firefox: sudo apt-get install chromium-headless-shell firefox-esr"
     else:
         return
-    raise pytest.UsageError(f"--full needs {missing}")
+    raise pytest.UsageError(f"--full needs {lacking_tools}")
 
 
 def pytest_report_header(config):
@@ -155,25 +155,25 @@ def leave_out(config, items):
     """Leave out the tests that are not in the tier."""
     if config.option.full and not config.option.without_quick:
         return
-    named = [argument for argument in config.args if "::" in argument]
+    named_items = [argument for argument in config.args if "::" in argument]
     exempted = {}
-    seen, quick, others = defaultdict(list), [], []
+    seen, quick, full = defaultdict(list), [], []
     for item in items:
         mark = item.get_closest_marker("full")
-        if mark and not any(is_named(item, name) for name in named):
+        if mark and not any(is_named(item, name) for name in named_items):
             function = re.sub(r"\[.*", "", item.nodeid)
             seen[function].append(case := item.nodeid[len(function) + 1 : -1])
             but = exempt(mark, item)
             is_quick = len(seen[function]) <= but if isinstance(but, int) else case in but
-            (quick if is_quick else others).append(item)
+            (quick if is_quick else full).append(item)
             exempted[function] = {*but} if isinstance(but, list) else set()
         elif config.option.full and item.path.name in not_in_quick_tier():
-            others.append(item)
+            full.append(item)
         else:
             quick.append(item)
     if unknown := [f"{test}[{case}]" for test in exempted for case in exempted[test] - {*seen[test]}]:
         raise pytest.UsageError(f"no such case: {', '.join(unknown)}")
-    kept, left_out = (others, quick) if config.option.full else (quick, others)
+    kept, left_out = (full, quick) if config.option.full else (quick, full)
     if left_out:
         config.hook.pytest_deselected(items=left_out)
         items[:] = kept

@@ -62,17 +62,17 @@ def others(file, allowed):
 
 def test_kernel_and_slave_import_only_what_they_may():
     allowed = ("dataclasses", "fractions", "functools", "math", "numpy", "typing", "chain_impact.kernel")
-    found = {file: others(file, allowed) for file in (PACKAGE / "kernel").rglob("*.py")}
-    found[SLAVE] = others(SLAVE, (*sys.stdlib_module_names, "pythonfmu"))
-    assert {file: modules for file, modules in found.items() if modules} == {}
+    imported = {file: others(file, allowed) for file in (PACKAGE / "kernel").rglob("*.py")}
+    imported[SLAVE] = others(SLAVE, (*sys.stdlib_module_names, "pythonfmu"))
+    assert {file: modules for file, modules in imported.items() if modules} == {}
 
 
 def constants(file):
     """Yield the name of each constant as often as a file defines it."""
     for node in ast.parse(file.read_text("utf-8")).body:
         targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
-        found = (one for target in targets if target for one in ast.walk(target))
-        yield from {one.id for one in found if isinstance(one, ast.Name) and one.id.isupper()}
+        nodes = (part for target in targets if target for part in ast.walk(target))
+        yield from {part.id for part in nodes if isinstance(part, ast.Name) and part.id.isupper()}
 
 
 def numbers(file):
@@ -84,14 +84,16 @@ def numbers(file):
             parts = [*ast.walk(node.value)]
             kinds = {type(part.value) for part in parts if isinstance(part, ast.Constant)}
             if all(isinstance(part, allowed) for part in parts) and kinds <= {int, float}:
-                yield from {one.id for one in ast.walk(node.targets[0]) if isinstance(one, ast.Name)}
+                yield from {
+                    name_node.id for name_node in ast.walk(node.targets[0]) if isinstance(name_node, ast.Name)
+                }
 
 
 def test_no_two_files_define_a_number_of_the_same_name():
     """A reader who finds the name finds one meaning and one value."""
-    found = Counter(name for file in PACKAGE.rglob("*.py") for name in numbers(file) if name.isupper())
-    assert found
-    assert {name for name, count in found.items() if count > 1} == set()
+    counts = Counter(name for file in PACKAGE.rglob("*.py") for name in numbers(file) if name.isupper())
+    assert counts
+    assert {name for name, count in counts.items() if count > 1} == set()
 
 
 ROOMS_OF_NAMES = {
@@ -106,20 +108,20 @@ ROOMS = sorted({file.parent.name for file in PACKAGE.glob("*/__init__.py")} - {"
 def test_no_two_files_of_a_room_define_a_constant_of_the_same_name(room):
     """In the kernel, a single file may not define a constant twice either."""
     names = list if room == "kernel" else set
-    found = Counter(name for file in (PACKAGE / room).rglob("*.py") for name in names(constants(file)))
-    assert found
-    assert {name for name, count in found.items() if count > 1} == set()
+    counts = Counter(name for file in (PACKAGE / room).rglob("*.py") for name in names(constants(file)))
+    assert counts
+    assert {name for name, count in counts.items() if count > 1} == set()
 
 
 def test_no_two_files_define_a_class_of_the_same_name():
-    found = Counter(
+    counts = Counter(
         node.name
         for file in PACKAGE.rglob("*.py")
         for node in ast.parse(file.read_text("utf-8")).body
         if isinstance(node, ast.ClassDef)
     )
-    assert found
-    assert {name for name, count in found.items() if count > 1} == set()
+    assert counts
+    assert {name for name, count in counts.items() if count > 1} == set()
 
 
 PREPOSITIONS = {
@@ -154,14 +156,14 @@ def begins_with(name, words):
 @pytest.mark.parametrize("room", [room for room in ROOMS_OF_NAMES if room != "kernel"])
 def test_no_name_begins_with_a_preposition(room):
     """A name that begins so, such as of_robot, does not say what the function returns."""
-    found = set()
+    misnamed = set()
     for file in ROOMS_OF_NAMES[room]:
         code = ast.walk(ast.parse(file.read_text("utf-8")))
         names = [node.name for node in code if isinstance(node, (ast.FunctionDef, ast.ClassDef))]
-        found |= {name for name in names if begins_with(name, PREPOSITIONS)}
+        misnamed |= {name for name in names if begins_with(name, PREPOSITIONS)}
         fixed = [file.stem, *constants(file)]
-        found |= {name for name in fixed if begins_with(name, PREPOSITIONS | IDIOMS)}
-    assert found == set()
+        misnamed |= {name for name in fixed if begins_with(name, PREPOSITIONS | IDIOMS)}
+    assert misnamed == set()
 
 
 def needs(file):
@@ -175,20 +177,22 @@ def needs(file):
 
 def test_no_files_need_each_other_not_even_for_types():
     """Only the list of public names is exempt, because it imports all public modules."""
-    found = {
+    needed_files = {
         name: set(needs(file)) - {"chain_impact"} for name, file in FILES.items() if name != "chain_impact"
     }
-    graphlib.TopologicalSorter(found).prepare()  # raises an error with the cycle
+    graphlib.TopologicalSorter(needed_files).prepare()  # raises an error with the cycle
 
 
 def test_no_parts_of_a_folder_need_each_other():
     """The parts are modules and inner folders, so each folder has an order in which imports go down only."""
     folders = defaultdict(lambda: defaultdict(set))
-    for name, other in ((name, other) for name, file in FILES.items() for other in needs(file)):
-        steps = zip(name.split("."), other.split("."), strict=False)
+    for name, needed_name in (
+        (name, needed_name) for name, file in FILES.items() for needed_name in needs(file)
+    ):
+        steps = zip(name.split("."), needed_name.split("."), strict=False)
         common = [*itertools.takewhile(lambda pair: pair[0] == pair[1], steps)]
-        if len(common) < min(name.count("."), other.count(".")) + 1:
-            parts = (module.split(".")[len(common)] for module in (name, other))
+        if len(common) < min(name.count("."), needed_name.count(".")) + 1:
+            parts = (module.split(".")[len(common)] for module in (name, needed_name))
             folders[tuple(common)][next(parts)].add(next(parts))
     assert len(folders) > 30
     for needed in folders.values():
@@ -197,12 +201,12 @@ def test_no_parts_of_a_folder_need_each_other():
 
 def test_folders_of_pages_have_no_cycle_and_scripts_a_heading():
     """oxlint finds circles of files."""
-    found = {}
+    imported_folders = {}
     for file in SCRIPTS:
         text = file.read_text(encoding="utf-8")
         assert re.match(r"// [A-Z]", text), file.name
-        found.setdefault(file.parent.name, set()).update(re.findall(r'from "\.\./(\w+)/', text))
-    graphlib.TopologicalSorter(found).prepare()  # raises an error with the cycle
+        imported_folders.setdefault(file.parent.name, set()).update(re.findall(r'from "\.\./(\w+)/', text))
+    graphlib.TopologicalSorter(imported_folders).prepare()  # raises an error with the cycle
 
 
 def test_docs_import_nothing_of_the_tests_and_benchmarks_only_helpers():
@@ -240,8 +244,8 @@ def test_the_package_can_be_imported_where_it_is_not_installed():
         "metadata.Distribution.from_name = others\n"
         "import chain_impact\n"
     )
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
+    process = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert process.returncode == 0, process.stderr
 
 
 def redirections(file):
@@ -261,18 +265,18 @@ def test_modules_are_short_and_redirect_no_stream_of_the_process():
     assert {file: length for file, length in lengths.items() if length >= LONGEST} == {}
     lengths = {file: len(file.read_text("utf-8").splitlines()) for file in (ROOT / "tests").rglob("*.py")}
     assert {file: length for file, length in lengths.items() if length >= LONGEST_OF_TESTS} == {}
-    assert {file.name: found for file in files if (found := [*redirections(file)])} == {}
+    assert {file.name: stream_lines for file in files if (stream_lines := [*redirections(file)])} == {}
 
 
 def test_no_line_of_javascript_or_c_is_too_long():
     files = [*SCRIPTS, *PACKAGE.rglob("*.[ch]")]
-    found = [
+    long_lines = [
         f"{file.name}:{number}"
         for file in files
         for number, line in enumerate(file.read_text("utf-8").splitlines(), 1)
         if len(line) > WIDEST[file.suffix]
     ]
-    assert found == []
+    assert long_lines == []
 
 
 def test_every_module_stands_in_a_layer():
@@ -290,10 +294,10 @@ def test_each_module_has_tests_and_each_test_file_a_module():
     files = {
         file: [PACKAGE / name for name in subjects(file)] for file in (ROOT / "tests").rglob("test_*.py")
     }
-    named = {*itertools.chain(*files.values())}
-    assert {str(file) for file in named if not file.is_file()} == set()
+    named_files = {*itertools.chain(*files.values())}
+    assert {str(file) for file in named_files if not file.is_file()} == set()
     modules = {file for file in MODULES if file.name != "__init__.py"} | {*SCRIPTS}
-    assert {str(file) for file in modules - named} == set()
+    assert {str(file) for file in modules - named_files} == set()
     mirrored = [file for file in files if file.relative_to(ROOT / "tests").parts[0] in rooms]
     assert [str(file) for file in mirrored if not files[file]] == []
 
@@ -333,12 +337,12 @@ IMPORT = re.compile(r"^(?:from ([\w.]+) )?import (?:\(([^)]*)\)|([^\n(#]+))", re
 @cache
 def imported_with(file):
     """Return all modules that the import of a file imports, also by other files of the repository."""
-    text, found = re.sub(r'""".*?"""', "", file.read_text(encoding="utf-8"), flags=re.DOTALL), set()
+    text, module_names = re.sub(r'""".*?"""', "", file.read_text(encoding="utf-8"), flags=re.DOTALL), set()
     for module, *names in IMPORT.findall(text):
         for name in re.findall(r"(?:^|,)\s*([\w.]+)", "".join(names)):
-            found |= {module, f"{module}.{name}"} if module else {name}
-    own = (top / f"{name.replace('.', '/')}.py" for name in [*found] for top in (ROOT, PACKAGE.parent))
-    return found.union(*(imported_with(module) for module in own if module.is_file()))
+            module_names |= {module, f"{module}.{name}"} if module else {name}
+    own = (top / f"{name.replace('.', '/')}.py" for name in [*module_names] for top in (ROOT, PACKAGE.parent))
+    return module_names.union(*(imported_with(module) for module in own if module.is_file()))
 
 
 def test_no_public_name_loads_what_draws():
@@ -346,9 +350,9 @@ def test_no_public_name_loads_what_draws():
     files = (FILES[module] for module in chain_impact._HOMES.values())
     modules = {module for file in files for module in imported_with(file)}
     assert {"chain_impact.cli", "chain_impact.pictures"} & modules == set()  # their __init__.py import more
-    found = {module.partition(".")[0] for module in modules}
-    assert "numpy" in found
-    assert {"matplotlib", "rich"} & found == set()
+    loaded = {module.partition(".")[0] for module in modules}
+    assert "numpy" in loaded
+    assert {"matplotlib", "rich"} & loaded == set()
 
 
 def normalized(package):
@@ -358,17 +362,19 @@ def normalized(package):
 
 def test_files_that_import_what_the_quick_tier_lacks_are_named_with_it():
     """Files of the same name count as one."""
-    others = itertools.chain(*(EXTRAS[extra] for extra in EXTRAS.keys() - {"check", "pandas", "test"}))
-    packages, found = {*map(normalized, others)}, defaultdict(set)
+    lacked = itertools.chain(*(EXTRAS[extra] for extra in EXTRAS.keys() - {"check", "pandas", "test"}))
+    packages, imports = {*map(normalized, lacked)}, defaultdict(set)
     homes = metadata.packages_distributions()
     lacking = {name for name in homes if packages & {*map(normalized, homes[name])}}
     lacking |= IMPORTING.keys()  # also where they are not installed
     for file in (ROOT / "tests").rglob("test_*.py"):
-        found[file.name] |= {module.partition(".")[0] for module in imported_with(file)} & lacking
-    named = {name: {module for module in IMPORTING if name in IMPORTING[module]} for name in found}
-    assert {*itertools.chain(*IMPORTING.values())} - found.keys() == set()
-    assert {name: modules - found[name] for name, modules in named.items() if modules - found[name]} == {}
-    assert {name for name, modules in found.items() if modules} == {name for name in named if named[name]}
+        imports[file.name] |= {module.partition(".")[0] for module in imported_with(file)} & lacking
+    marked = {name: {module for module in IMPORTING if name in IMPORTING[module]} for name in imports}
+    assert {*itertools.chain(*IMPORTING.values())} - imports.keys() == set()
+    assert {
+        name: modules - imports[name] for name, modules in marked.items() if modules - imports[name]
+    } == {}
+    assert {name for name, modules in imports.items() if modules} == {name for name in marked if marked[name]}
 
 
 def test_names_of_tests_are_short():
@@ -379,8 +385,10 @@ def test_names_of_tests_are_short():
 
 def test_no_file_imports_from_a_file_of_tests_or_fixtures():
     line = re.compile(r"^ *(?:from|import) [^#\n]*\b(?:test_\w+|conftest)\b", re.MULTILINE)
-    found = [file for file in (ROOT / "tests").rglob("*.py") if line.search(file.read_text("utf-8"))]
-    assert found == []
+    importing_files = [
+        file for file in (ROOT / "tests").rglob("*.py") if line.search(file.read_text("utf-8"))
+    ]
+    assert importing_files == []
 
 
 def private(file, own):
@@ -404,8 +412,8 @@ def test_only_one_helper_uses_private_parts_of_chains_and_instances():
     assert {"_instance", "_kernel", "_tangents"} <= names
     use = re.compile(rf"\.(?:{'|'.join(names)})\b")
     files = [file for room in ("tests", "benchmarks", "docs/tools") for file in (ROOT / room).rglob("*.py")]
-    found = [file for file in files if use.search(file.read_text("utf-8")) and private(file, False) & names]
-    assert [file.name for file in found] == ["kernel_calls.py"]
+    users = [file for file in files if use.search(file.read_text("utf-8")) and private(file, False) & names]
+    assert [file.name for file in users] == ["kernel_calls.py"]
 
 
 HELPERS, SCENARIOS = ROOT / "tests" / "helpers", ROOT / "tests" / "scenarios"

@@ -36,9 +36,9 @@ def charts():
 @pytest.mark.parametrize("name", [[], ["no_benchmark"], ["common"]])
 def test_a_wrong_name_of_a_benchmark_lists_the_right_ones(name):
     command = [sys.executable, "-m", "benchmarks", *name]
-    done = subprocess.run(command, cwd=BENCHMARKS.parent, check=False, capture_output=True, text=True)
-    assert done.returncode == 2
-    sentence, *listed = done.stderr.splitlines()
+    process = subprocess.run(command, cwd=BENCHMARKS.parent, check=False, capture_output=True, text=True)
+    assert process.returncode == 2
+    sentence, *listed = process.stderr.splitlines()
     assert "must be" in sentence
     assert all(given in sentence for given in name)
     names = {line.split()[0] for line in listed}
@@ -53,7 +53,7 @@ def stored(name):
     return json.loads((BENCHMARKS / "results" / f"{name}.json").read_text(encoding="utf-8"))
 
 
-def message(module, record):
+def title_and_page(module, record):
     with mpl.rc_context(STYLE):
         page = Figure(figsize=getattr(module, "SIZE", (9.5, 5.0)), layout="constrained")
         module.draw(page, record)
@@ -62,15 +62,15 @@ def message(module, record):
 
 
 @pytest.fixture(scope="module")
-def drawn(charts):
-    """Return a function that returns ``message`` of the stored figures of a benchmark, drawn once."""
-    return functools.cache(lambda name: message(charts(name), stored(name)))
+def drawing(charts):
+    """Return a function from the name of a benchmark to (title, page), drawn once from its record."""
+    return functools.cache(lambda name: title_and_page(charts(name), stored(name)))
 
 
 @pytest.mark.full("needs compilers")
 @pytest.mark.parametrize("name", ["work_precision", "stability", "fidelity", "friction", "rest"])
-def test_a_chart_is_drawn_with_its_quantities_above_and_figures_below(drawn, name):
-    title, page = drawn(name)
+def test_a_chart_is_drawn_with_its_quantities_above_and_figures_below(drawing, name):
+    title, page = drawing(name)
     assert len(title) < 100
     assert title.startswith("chain-impact")
     assert page.get_figwidth() == pytest.approx(190.0 / 25.4), "a printed page is so wide"
@@ -104,8 +104,8 @@ def test_an_error_is_compared_with_that_of_the_loosest_run(charts):
     assert race.seconds_at(5e-2, rows) == pytest.approx(race.seconds_at(1e-3, rows))
 
 
-def test_both_panels_of_the_errors_of_models_have_the_same_limits(drawn):
-    _, page = drawn("fidelity")
+def test_both_panels_of_the_errors_of_models_have_the_same_limits(drawing):
+    _, page = drawing("fidelity")
     (first, strip, second, _), time = page.axes, "CPU time [ms]"
     assert len({axes.get_ylim() for axes in page.axes}) == 1
     assert [axes.get_xlabel() for axes in (first, second)] == [time] * 2
@@ -117,11 +117,13 @@ def test_both_panels_of_the_errors_of_models_have_the_same_limits(drawn):
     assert "right" not in " ".join(text.get_text() for text in page.texts)
 
 
-def test_methods_that_complete_more_runs_come_first(drawn):
-    _, page = drawn("stability")
+def test_methods_that_complete_more_runs_come_first(drawing):
+    _, page = drawing("stability")
     titles = [axes.get_title() for axes in page.axes if ": " in axes.get_title()]
-    done = [int(title.rpartition(" ")[2]) for title in titles if not title.startswith("chain-impact")]
-    assert done == sorted(done, reverse=True)
+    completed_runs = [
+        int(title.rpartition(" ")[2]) for title in titles if not title.startswith("chain-impact")
+    ]
+    assert completed_runs == sorted(completed_runs, reverse=True)
     assert titles[0].startswith("chain-impact auto")
     assert [axes.get_ylabel() for axes in page.axes].count("restitution e") == 1
 
@@ -135,15 +137,15 @@ def test_a_peer_without_a_time_is_a_gap(charts):
     results["at equal error"] = module.at_equal_error(results["rows"])
     del results["start-up [s]"]["CVODE Adams"]
     assert not [row for row in results["at equal error"] if "CVODE Adams" in row["times as long"]]
-    _, page = message(module, record)
+    _, page = title_and_page(module, record)
     assert "CVODE Adams" not in " ".join(text.get_text() for text in page.texts)
     assert module.headline([]) == ("", "")
 
 
 @pytest.mark.full("takes long")
-def test_the_title_of_the_speeds_has_one_contender_at_one_tolerance(charts, drawn):
+def test_the_title_of_the_speeds_has_one_contender_at_one_tolerance(charts, drawing):
     module, record = charts("work_precision"), stored("work_precision")
-    title, page = drawn("work_precision")
+    title, page = drawing("work_precision")
     low, high = map(float, re.search(r"is ([\d.]+) to ([\d.]+) times as fast as CVODE", title).groups())
     times = [
         row["times as long"]
@@ -153,23 +155,23 @@ def test_the_title_of_the_speeds_has_one_contender_at_one_tolerance(charts, draw
     factors = {name: [row[name] for row in times if name in row] for name in module.LOOKS}
     assert [low, high] == pytest.approx([min(factors[module.PEER]), max(factors[module.PEER])], rel=0.05)
     assert title.endswith("at equal error (our tolerance 1e-8)")
-    told = " ".join(text.get_text() for text in page.texts)
-    others = {name for name in factors if factors[name]} - {module.PEER, *("chain-impact", "kernel alone")}
-    assert "times as fast as others: " in told
-    assert all(f"{name} {min(factors[name]):.2g}" in told for name in others if "FMU" not in name)
+    page_text = " ".join(text.get_text() for text in page.texts)
+    peers = {name for name in factors if factors[name]} - {module.PEER, *("chain-impact", "kernel alone")}
+    assert "times as fast as others: " in page_text
+    assert all(f"{name} {min(factors[name]):.2g}" in page_text for name in peers if "FMU" not in name)
 
 
 @pytest.mark.full("takes long")
-def test_the_title_of_a_chain_at_rest_does_not_mix_methods(charts, drawn):
+def test_the_title_of_a_chain_at_rest_does_not_mix_methods(charts, drawing):
     module, record = charts("rest"), stored("rest")
-    title, _ = drawn("rest")
+    title, _ = drawing("rest")
     ratios = [row[module.CAREFUL]["time / ours"]["median"] for row in record["results"]]
     ends = " to ".join(f"{charts('common').rounded(end(ratios), 2):g}" for end in (min, max))
     assert f"is {ends} times as fast as CVODE BDF" in title
 
 
-def test_the_title_of_the_map_names_the_methods_that_complete_all_runs(drawn):
-    title, page = drawn("stability")
+def test_the_title_of_the_map_names_the_methods_that_complete_all_runs(drawing):
+    title, page = drawing("stability")
     assert "as do CVODE BDF and SciPy LSODA; others complete 12 to 70" in title.replace("\n", " ")
     assert "over budget (2 s)" in [text.get_text() for text in page.legends[0].get_texts()]
 
@@ -179,7 +181,7 @@ def test_the_title_of_the_map_names_no_others_if_all_complete_all_runs(charts):
     results, settings = record["results"], record["settings"]
     cells = len(settings["stiffnesses"]) * len(settings["restitutions"])
     results["tally"] = {method: {"completed": cells} for method in results["tally"]}
-    assert "others" not in message(charts("stability"), record)[0]
+    assert "others" not in title_and_page(charts("stability"), record)[0]
 
 
 def test_a_curve_without_a_free_place_has_a_key_below_the_panels(charts):
@@ -197,14 +199,14 @@ def test_a_curve_without_a_free_place_has_a_key_below_the_panels(charts):
 
 @pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("name", ["work_precision", "friction", "rest"])
-def test_each_curve_has_its_name_once_beside_it(charts, drawn, name):
-    _, page = drawn(name)
+def test_each_curve_has_its_name_once_beside_it(charts, drawing, name):
+    _, page = drawing(name)
     panels = [axes for axes in page.axes if axes.lines]
     curves = {line.get_label(): line for axes in panels for line in axes.lines}
     names = [text for axes in panels for text in axes.texts if text.get_text() in curves]
-    told = [text.get_text() for legend in page.legends for text in legend.get_texts()]
-    told = [text.get_text() for text in names] + [text for text in told if text in curves]
-    assert sorted(told) == sorted(label for label in curves if not label.startswith("_"))
+    curve_names = [text.get_text() for legend in page.legends for text in legend.get_texts()]
+    curve_names = [text.get_text() for text in names] + [text for text in curve_names if text in curves]
+    assert sorted(curve_names) == sorted(label for label in curves if not label.startswith("_"))
     for text in names:
         box, colour = text.get_window_extent(), curves[text.get_text()].get_color()
         ratio = np.array(to_rgb(text.get_color())) / np.maximum(to_rgb(colour), 1e-9)
@@ -217,7 +219,8 @@ def test_each_curve_has_its_name_once_beside_it(charts, drawn, name):
             gaps = np.hypot(*np.maximum(np.maximum(box.min - points, points - box.max), 0.0).T)
             distances[line.get_label() == text.get_text()].append(np.nanmin(gaps, initial=np.inf))
         assert 0.0 < min(distances[True]) < min(distances[False], default=np.inf), text.get_text()
-        assert sum(box.overlaps(other.get_window_extent()) for other in names if other.axes is text.axes) == 1
+        in_panel = [name.get_window_extent() for name in names if name.axes is text.axes]
+        assert sum(map(box.overlaps, in_panel)) == 1
 
 
 # --- measured impacts ---------------------------------------------------------------------------------------
@@ -228,7 +231,7 @@ def impacts(charts, tmp_path):
     """Return the module, and a function that writes synthetic trials as the data set does and reads them."""
     module = charts("measured_impacts")
 
-    def made(restitution, friction, count=8):
+    def invent_impacts(restitution, friction, count=8):
         rng = np.random.default_rng(7)
         arm = np.stack([rng.uniform(-0.01, 0.01, count), rng.uniform(-0.035, -0.025, count)], axis=1)
         before = rng.uniform([-1.0, -3.0, -20.0], [1.0, -2.0, 20.0], (count, 3))
@@ -251,20 +254,20 @@ def impacts(charts, tmp_path):
         savemat(tmp_path / "data_ellipse.mat", {"data": states | places})
         return module.read(tmp_path)
 
-    return module, made
+    return module, invent_impacts
 
 
 def test_restitution_and_friction_of_made_up_impacts_are_found_again(impacts):
-    module, made = impacts
-    trials = made(0.7, 0.15)
-    found = module.fitted(module.ellipse(), trials[::2])
-    assert found.values == pytest.approx({"contact.restitution": 0.7, "contact.friction": 0.15}, rel=5e-3)
-    assert module.errors(trials[1::2], module.predicted(found.scene, trials[1::2])).max() < 5e-3
+    module, invent_impacts = impacts
+    trials = invent_impacts(0.7, 0.15)
+    estimate = module.fitted(module.ellipse(), trials[::2])
+    assert estimate.values == pytest.approx({"contact.restitution": 0.7, "contact.friction": 0.15}, rel=5e-3)
+    assert module.errors(trials[1::2], module.predicted(estimate.scene, trials[1::2])).max() < 5e-3
 
 
 def test_a_stiff_spring_along_the_wall_comes_to_a_rigid_elastic_impact(impacts):
-    module, made = impacts
-    trials = made(1.0, 0.2)
+    module, invent_impacts = impacts
+    trials = invent_impacts(1.0, 0.2)
     assert module.errors(trials, module.compliant(trials, 1.0, 0.2, 100.0)).max() < 0.05
     assert module.errors(trials, module.compliant(trials, 1.0, 0.2, 1.0)).max() > 0.1
 
@@ -283,22 +286,22 @@ def test_the_measured_impacts_support_no_compliance_along_the_wall():
 @pytest.mark.full("takes long")
 def test_the_friction_of_a_made_up_arm_is_found_again(charts, tmp_path):
     module = charts("measured_arm")
-    true = {"link[1].joint_friction": 0.2, "link[2].joint_friction": 0.1, "link[2].joint_damping": 0.02}
-    true |= {"link[1].center_of_mass": 0.15, "link[2].center_of_mass": 0.2}
+    expected = {"link[1].joint_friction": 0.2, "link[2].joint_friction": 0.1, "link[2].joint_damping": 0.02}
+    expected |= {"link[1].center_of_mass": 0.15, "link[2].center_of_mass": 0.2}
     torques = {
         "joint[1].torque": lambda t: math.sin(5 * t),
         "joint[2].torque": lambda t: 0.6 * math.cos(7 * t),
     }
-    scene = module.arm().with_values(true)
+    scene = module.arm().with_values(expected)
     run = chain_impact.simulate(scene, stop_time=4.0, output_step=2e-3, inputs=torques)
     first, second = run["link[1].angle"] + math.pi / 2, run["link[2].angle"] - run["link[1].angle"]
     drives = [[drive(time) for time in run.time] for drive in torques.values()]
     columns = np.stack([run.time, first, second, *drives], axis=1)
     names = "time,pos_meas1,pos_meas2,tau_meas1,tau_meas2"
     np.savetxt(tmp_path / "run.csv", columns, delimiter=",", header=names, comments="")
-    found, _ = module.fitted(module.read(tmp_path / "run.csv"), dry=True)
-    for name, value in true.items():
-        assert found[name]["value"] == pytest.approx(value, rel=0.05), name
+    result, _ = module.fitted(module.read(tmp_path / "run.csv"), dry=True)
+    for name, value in expected.items():
+        assert result[name]["value"] == pytest.approx(value, rel=0.05), name
 
 
 def test_dry_friction_predicts_the_measured_arm_better():

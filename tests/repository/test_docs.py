@@ -26,12 +26,12 @@ from tests.helpers.tools.processes import Processes
 ROOT = Path(__file__).parents[2]
 NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
 # pages that the build of the site makes
-MADE = {try_it.PAGE, *(notebook.with_suffix(".md") for notebook in NOTEBOOKS)}
-DOCS = sorted(page for page in (ROOT / "docs").rglob("*.md") if page not in MADE)
+MADE_PAGES = {try_it.PAGE, *(notebook.with_suffix(".md") for notebook in NOTEBOOKS)}
+DOCS = sorted(page for page in (ROOT / "docs").rglob("*.md") if page not in MADE_PAGES)
 PAGES = [*ROOT.glob("*.md"), *(ROOT / "models").glob("*.md"), *DOCS]
 PAGES.sort(key=lambda page: (page != ROOT / "README.md", page))  # the first page is in the quick tier
 # commands that a page may show, besides scripts of the repository
-KNOWN = re.compile(
+KNOWN_COMMAND = re.compile(
     r"(\.venv/bin/)?(chain-impact|python -m pytest|pip|ruff|oxlint|mypy|lint-imports)\b"
     r"|(apt-get|uv|source|python3 -m venv|pytest)\b"
 )
@@ -50,10 +50,10 @@ class Block(NamedTuple):
 
 
 def fenced(page):
-    found = re.finditer(
+    matches = re.finditer(
         r"^```(\w*)(?: title=\"([^\"\n]*)\")?\n(.*?)^```$", page.read_text(encoding="utf-8"), re.M | re.S
     )
-    return [Block(block[1], block[2] or "", block[3].rstrip("\n")) for block in found]
+    return [Block(block[1], block[2] or "", block[3].rstrip("\n")) for block in matches]
 
 
 def blocks(page, language):
@@ -90,9 +90,9 @@ CITED = {"title": "name", "license": "license", "version": "version"}
 
 def test_all_pages_together_have_at_most_29000_words():
     """Words are counted as by ``wc -w``: a word ends at white space."""
-    below = ("benchmarks", "docs", "fmu_src", "models", "packaging", "tests", ".ci")
-    pages = [*ROOT.glob("*.md"), *(page for folder in below for page in (ROOT / folder).rglob("*.md"))]
-    counts = {page: len(page.read_text(encoding="utf-8").split()) for page in pages if page not in MADE}
+    top_folders = ("benchmarks", "docs", "fmu_src", "models", "packaging", "tests", ".ci")
+    pages = [*ROOT.glob("*.md"), *(page for folder in top_folders for page in (ROOT / folder).rglob("*.md"))]
+    counts = {page: len(page.read_text(encoding="utf-8").split()) for page in pages if page not in MADE_PAGES}
     assert counts.keys() > {*PAGES}
     assert sum(counts.values()) <= 29_000
 
@@ -112,14 +112,14 @@ def test_commands_parse_links_lead_to_files_and_tables_are_up_to_date():
             if anchor and anchor not in anchors(files.get(target, page))
         ]
         wrong += [
-            (page.name, target) for target, file in files.items() if not (file.exists() or file in MADE)
+            (page.name, target) for target, file in files.items() if not (file.exists() or file in MADE_PAGES)
         ]
         wrong += [(page.name, command) for command in others(page) if not is_known(command)]
         if page in DOCS and text != generate.filled(text):
             wrong.append((page.name, "run: python -m docs.tools.generate"))
     assert wrong == []
     assert count > 10
-    names = {found[1] for page in DOCS for found in generate.BLOCK.finditer(page.read_text(encoding="utf-8"))}
+    names = {block[1] for page in DOCS for block in generate.BLOCK.finditer(page.read_text(encoding="utf-8"))}
     assert names == generate.TABLES.keys()
 
 
@@ -144,14 +144,14 @@ def others(page):
 
 
 def is_known(command):
-    """Return whether it is a program of KNOWN or a script of the repository."""
+    """Return whether it is a program of KNOWN_COMMAND or a script of the repository."""
     script = re.match(
         r"(?:\.venv/bin/)?python (?:([\w/]+)\.py|-m (tests|docs|benchmarks)[. ]([\w.]+))", command
     )
     if script:
         file = script[1] or f"{script[2]}/{script[3].replace('.', '/')}"
         return (ROOT / f"{file}.py").is_file()
-    return KNOWN.match(re.sub(r"^(?:[A-Z_]+=\S+ )+", "", command))
+    return KNOWN_COMMAND.match(re.sub(r"^(?:[A-Z_]+=\S+ )+", "", command))
 
 
 @pytest.fixture(scope="module")
@@ -178,10 +178,10 @@ def folder(tmp_path_factory, run):
 
 def chain_impact(line):
     """Return the arguments of a line that runs chain-impact or our build script; None for any other line."""
-    found = re.search(r"(chain-impact|build_fmu\.py) (.*)", line.partition("  #")[0])
-    if found and found[1] == "build_fmu.py":
-        return ["build", *shlex.split(found[2])]
-    return shlex.split(found[2]) if found else None
+    match = re.search(r"(chain-impact|build_fmu\.py) (.*)", line.partition("  #")[0])
+    if match and match[1] == "build_fmu.py":
+        return ["build", *shlex.split(match[2])]
+    return shlex.split(match[2]) if match else None
 
 
 def without_usual_picture(arguments):
@@ -212,13 +212,13 @@ def test_a_page_runs_from_top_to_bottom(page, folder, run):
         elif language == "sh":
             for line in text.splitlines():
                 if (arguments := chain_impact(line)) is not None:
-                    wanted = without_usual_picture(arguments)
-                    code, printed, errors = run(folder, "-m", "chain_impact.cli", *wanted)
+                    quick_arguments = without_usual_picture(arguments)
+                    code, printed, errors = run(folder, "-m", "chain_impact.cli", *quick_arguments)
                     assert code == 0, f"{line}\n{errors}"
 
 
 @pytest.mark.full("needs a sweep and a film")
-@pytest.mark.parametrize("program", [one for one in images.PROGRAMS if "chain_impact.cli" in one])
+@pytest.mark.parametrize("program", [name for name in images.PROGRAMS if "chain_impact.cli" in name])
 def test_a_command_draws_an_image_of_the_docs(program, folder, run):
     arguments = shlex.split(program)
     code, _, errors = run(folder, *arguments)
@@ -231,15 +231,15 @@ def test_a_command_draws_an_image_of_the_docs(program, folder, run):
 def test_the_tests_of_the_first_contribution_pass():
     page = (ROOT / "docs" / "development" / "recipes.md").read_text(encoding="utf-8")
     (command,) = re.findall(r"^pytest (.*)$", page, re.M)
-    done = subprocess.run(
+    process = subprocess.run(
         [sys.executable, "-m", "pytest", "-n", "0", *command.split()],
         cwd=ROOT,
         capture_output=True,
         text=True,
         check=False,
     )
-    assert (done.returncode, done.stderr) == (0, "")
-    assert re.match(r"\.{8,} ", done.stdout)
+    assert (process.returncode, process.stderr) == (0, "")
+    assert re.match(r"\.{8,} ", process.stdout)
 
 
 def test_notebooks_are_committed_without_outputs():
@@ -296,18 +296,18 @@ def test_the_page_to_try_has_every_model_and_links_to_its_page(tmp_path, monkeyp
     monkeypatch.setattr(try_it, "PAGE", tmp_path / "try_it.md")
     try_it.write_page()
     text = (tmp_path / "try_it.md").read_text(encoding="utf-8")
-    found = re.findall(r'<a href="try/(\w+)\.html" target="try">', text)
-    assert found[0] == "four_link_box"
-    assert sorted(found) == sorted(model_names())
-    for model in found:
+    model_links = re.findall(r'<a href="try/(\w+)\.html" target="try">', text)
+    assert model_links[0] == "four_link_box"
+    assert sorted(model_links) == sorted(model_names())
+    for model in model_links:
         assert f'<a href="models/{model}.html">' in text
         assert (ROOT / "docs" / "models" / f"{model}.md").is_file()
 
 
 @pytest.mark.parametrize("model", ["elastic_ball", "hopper"])
 def test_a_page_of_a_model_has_its_scene_file(model):
-    shown = unescape(re.search(r"<code>(.*)</code>", try_it.scene_file(model), re.S)[1])
-    assert shown == (ROOT / "models" / model / "scene.toml").read_text(encoding="utf-8")
+    shown_text = unescape(re.search(r"<code>(.*)</code>", try_it.scene_file(model), re.S)[1])
+    assert shown_text == (ROOT / "models" / model / "scene.toml").read_text(encoding="utf-8")
 
 
 def test_the_start_page_of_the_site_opens_with_a_page_that_simulates():

@@ -45,24 +45,24 @@ def attributes_of(class_node):
 
 def wrong_entries(source):
     """Return the entries of docstrings that are no arguments or attributes, or are lines of another entry."""
-    found = []
+    faults = []
     for node in ast.walk(ast.parse(source)):
         if not isinstance(node, ast.FunctionDef | ast.ClassDef):
             continue
         is_class = isinstance(node, ast.ClassDef)
-        known = attributes_of(node) if is_class else arguments_of(node)
+        known_names = attributes_of(node) if is_class else arguments_of(node)
         for line in entries(ast.get_docstring(node) or "", "Attributes:" if is_class else "Args:"):
             entry = ENTRY.match(line)
             names = set(re.findall(r"\w+", entry[1])) if entry else set()
-            if not entry or (known is not None and names - known):
-                found.append((node.name, line))
-    return found
+            if not entry or (known_names is not None and names - known_names):
+                faults.append((node.name, line))
+    return faults
 
 
 @pytest.mark.parametrize("room", ["benchmarks", "docs/tools", "fmu_src", "packaging", "tests"])
 def test_docstrings_have_an_entry_for_what_exists(room):
-    found = {file.name: wrong_entries(file.read_text("utf-8")) for file in (ROOT / room).rglob("*.py")}
-    assert {name: faults for name, faults in found.items() if faults} == {}
+    wrong_names = {file.name: wrong_entries(file.read_text("utf-8")) for file in (ROOT / room).rglob("*.py")}
+    assert {name: faults for name, faults in wrong_names.items() if faults} == {}
 
 
 def test_a_wrong_entry_is_found():

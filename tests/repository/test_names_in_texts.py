@@ -41,7 +41,9 @@ PLAIN = re.compile(r"``([^` =\[]+)``|noqa: [A-Z0-9, ]+")
 """A quoted name, and numbers of rules."""
 STRINGS = r"""|"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])*'"""
 PYTHON = re.compile(r"""\#[^\n]*(?:\n *\#[^\n]*)*|"{3}.*?"{3}|'{3}.*?'{3}""" + STRINGS, re.DOTALL)
-OTHER = re.compile(r"""//[^\n]*(?:\n\s*//[^\n]*)*|/\*.*?\*/|`(?:\\.|[^`\\])*`""" + STRINGS, re.DOTALL)
+STRING_OR_COMMENT = re.compile(
+    r"""//[^\n]*(?:\n\s*//[^\n]*)*|/\*.*?\*/|`(?:\\.|[^`\\])*`""" + STRINGS, re.DOTALL
+)
 """The comments and the strings of Python, and of JavaScript and C. Comments in successive lines are one."""
 
 
@@ -49,7 +51,7 @@ OTHER = re.compile(r"""//[^\n]*(?:\n\s*//[^\n]*)*|/\*.*?\*/|`(?:\\.|[^`\\])*`"""
 def read(file):
     """Return the texts of a file, comments and docstrings, and the words in its code."""
     source, texts, code, at = file.read_text("utf-8"), [], [], 0
-    for part in (PYTHON if file.suffix == ".py" else OTHER).finditer(source):
+    for part in (PYTHON if file.suffix == ".py" else STRING_OR_COMMENT).finditer(source):
         start, end = part.span()
         code.append(source[at:start])
         line = source[source.rfind("\n", 0, start) + 1 : start]
@@ -70,10 +72,16 @@ def named(text, name):
 def unknown(file):
     """Return the names in the texts of a file that a reader does not find."""
     texts, code = read(file)
-    known = WORDS | PUBLIC | code | {*NAME.findall(" ".join(itertools.chain(*map(COMMAND.findall, texts))))}
-    told = [(name, text) for text in texts for name in {*NAME.findall(COMMAND.sub("", text))} - known]
-    found = {name for name, text in told if any(name in read(other)[1] for other in named(text, name))}
-    return sorted({name for name, _ in told} - found)
+    defined = WORDS | PUBLIC | code | {*NAME.findall(" ".join(itertools.chain(*map(COMMAND.findall, texts))))}
+    named_in_texts = [
+        (name, text) for text in texts for name in {*NAME.findall(COMMAND.sub("", text))} - defined
+    ]
+    explained = {
+        name
+        for name, text in named_in_texts
+        if any(name in read(named_file)[1] for named_file in named(text, name))
+    }
+    return sorted({name for name, _ in named_in_texts} - explained)
 
 
 def unclear_files(file):
@@ -83,22 +91,22 @@ def unclear_files(file):
     the only one in the repository. A name with folders tells the only file whose path ends so.
     Lines `# Tests:` have paths in the package.
     """
-    found = set()
+    unclear = set()
     for end in FILE_NAME.findall(re.sub("# Tests:.*", "", "\n".join(read(file)[0]))):
-        matches = [other for other in FILES if other.as_posix().endswith(f"/{end}")]
-        in_package = [other for other in matches if other.is_relative_to(PACKAGE)]
+        matches = [matching_file for matching_file in FILES if matching_file.as_posix().endswith(f"/{end}")]
+        in_package = [matching_file for matching_file in matches if matching_file.is_relative_to(PACKAGE)]
         if file.parent / end not in matches and 1 not in (len(matches), len(in_package)):
-            found.add(end)
-    return sorted(found)
+            unclear.add(end)
+    return sorted(unclear)
 
 
 @pytest.mark.parametrize("room", ROOMS)
 @pytest.mark.parametrize("faults", [unknown, unclear_files], ids=["capital names", "files"])
 def test_a_reader_finds_what_texts_name(room, faults):
     files = [file for file in FILES if file.is_relative_to(ROOT / room)]
-    found = {file.name: names for file in files if (names := faults(file))}
+    unexplained = {file.name: names for file in files if (names := faults(file))}
     assert files
-    assert found == {}
+    assert unexplained == {}
 
 
 @pytest.mark.parametrize(
@@ -156,19 +164,27 @@ def test_the_docs_name_fields_of_the_record():
     """A name such as `chain.length` is that of a field in the record, or of a key of scenes."""
     layout, keys = instance_dtype(*Counts(2, 1)), {name for name, _ in keys_of(Scene)}
     pages = [ROOT / "docs/computation.md", *(ROOT / "docs/development").glob("*.md")]
-    told = {name for page in pages for name in re.findall(r"`([a-z_]+\.[a-z_]+)`", page.read_text("utf-8"))}
-    told = {name for name in told if not name.endswith((".py", ".js", ".c", ".md", ".toml", ".yml"))} - keys
+    named_fields = {
+        name for page in pages for name in re.findall(r"`([a-z_]+\.[a-z_]+)`", page.read_text("utf-8"))
+    }
+    named_fields = {
+        name for name in named_fields if not name.endswith((".py", ".js", ".c", ".md", ".toml", ".yml"))
+    } - keys
     fields = {f"{part}.{field}" for part in layout.names for field in layout[part].base.names or ()}
-    assert len(told) > 20
-    assert told - fields == set()
+    assert len(named_fields) > 20
+    assert named_fields - fields == set()
 
 
 def test_the_recipes_name_capital_names_of_their_files():
     page = (ROOT / "docs" / "development" / "recipes.md").read_text("utf-8")
     recipes = re.split(r"\n## .*\n", page)[3:]
-    told = [(name, text) for text in recipes for name in {*NAME.findall(text)} - WORDS]
-    assert len(told) > 5
-    assert [name for name, text in told if not any(name in read(file)[1] for file in named(text, name))] == []
+    named_in_recipes = [(name, text) for text in recipes for name in {*NAME.findall(text)} - WORDS]
+    assert len(named_in_recipes) > 5
+    assert [
+        name
+        for name, text in named_in_recipes
+        if not any(name in read(file)[1] for file in named(text, name))
+    ] == []
 
 
 def test_each_abbreviation_is_in_use():

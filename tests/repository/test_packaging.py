@@ -126,16 +126,16 @@ ON_LINUX = pytest.mark.skipif(
 @ON_LINUX
 @pytest.mark.full("takes long")
 def test_the_smoke_suite_passes_with_floating_point_traps():
-    done = run_python(PACKAGING / "smoke.py", "--traps")
-    assert done.stdout.splitlines()[-1].startswith("0 of "), done.stdout + done.stderr
-    assert done.returncode == 0
+    process = run_python(PACKAGING / "smoke.py", "--traps")
+    assert process.stdout.splitlines()[-1].startswith("0 of "), process.stdout + process.stderr
+    assert process.returncode == 0
 
 
 @ON_LINUX
 def test_the_traps_of_the_smoke_suite_end_a_process():
     code = "import smoke; smoke.TRAPPING_IMPORTS = (); smoke.trap(); math = smoke.math; print(math.nan < 0.0)"
-    done = run_python("-c", f"import sys; sys.path.insert(0, {str(PACKAGING)!r}); {code}")
-    assert done.returncode == -signal.SIGFPE, done.stdout + done.stderr
+    process = run_python("-c", f"import sys; sys.path.insert(0, {str(PACKAGING)!r}); {code}")
+    assert process.returncode == -signal.SIGFPE, process.stdout + process.stderr
 
 
 def run_python(*arguments):

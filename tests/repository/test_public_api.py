@@ -54,17 +54,17 @@ def command_line():
 
 def attributes(exported):
     """Return the public attributes of a class that this package defines, also those set in ``__init__``."""
-    found = set()
+    attribute_names = set()
     for base in exported.__mro__ if isinstance(exported, type) else ():
         if base.__module__.startswith("chain_impact"):
-            found |= {*vars(base), *getattr(base, "__annotations__", {})}
+            attribute_names |= {*vars(base), *getattr(base, "__annotations__", {})}
             code = getattr(vars(base).get("__init__"), "__code__", compile("", "", "exec"))
-            found |= {
+            attribute_names |= {
                 instruction.argval
                 for instruction in dis.get_instructions(code)
                 if instruction.opname == "STORE_ATTR"
             }
-    return {name for name in found if not name.startswith("_")}
+    return {name for name in attribute_names if not name.startswith("_")}
 
 
 def names():
@@ -84,16 +84,16 @@ def names():
 
 
 def test_public_names_are_listed_and_none_is_removed_or_changed():
-    listed, found = set(FILE.read_text(encoding="utf-8").splitlines()), set(names())
-    assert listed - found == set(), "removed or changed"
-    assert found - listed == set(), f"new: {HINT}"
+    listed, public = set(FILE.read_text(encoding="utf-8").splitlines()), set(names())
+    assert listed - public == set(), "removed or changed"
+    assert public - listed == set(), f"new: {HINT}"
 
 
 def stub():
     """Return the text of STUB: an import for each public name."""
-    made = "# Made by tests/repository/test_public_api.py from the table in __init__.py.\n"
+    stub_text = "# Made by tests/repository/test_public_api.py from the table in __init__.py.\n"
     lines = [f"from {home} import {name} as {name}\n" for name, home in chain_impact._HOMES.items()]
-    return made + "".join(sorted(lines))
+    return stub_text + "".join(sorted(lines))
 
 
 def test_type_checkers_find_the_names_that_programs_do():

@@ -13,8 +13,8 @@ NAMES = re.findall(r"^::: (chain_impact\.\S+)$", REFERENCE, re.M)
 
 
 def test_the_reference_has_what_is_public():
-    named = {path.rpartition(".")[2] for path in NAMES}
-    assert {*named, "CONTACT_LAWS"} == set(chain_impact.__all__)
+    public = {path.rpartition(".")[2] for path in NAMES}
+    assert {*public, "CONTACT_LAWS"} == set(chain_impact.__all__)
     assert all(hasattr(chain_impact, name) for name in chain_impact.__all__)
     assert "`chain_impact.CONTACT_LAWS`" in REFERENCE
 
@@ -23,5 +23,5 @@ def test_importing_the_package_imports_no_part_of_it():
     program = (
         "import sys, chain_impact; print(*(name for name in sys.modules if name.startswith('chain_impact.')))"
     )
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    assert done.stdout.split() == []
+    process = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert process.stdout.split() == []

@@ -36,10 +36,10 @@ def examples_in(heading):
 
 def places_in(text):
     """Return the files and folders that a recipe names, with those of the recipes to which it links."""
-    found = re.findall(r"`([\w./]*(?:/|\.(?:py|js|toml|yml|md|json|txt)))`", text)
+    places = re.findall(r"`([\w./]*(?:/|\.(?:py|js|toml|yml|md|json|txt)))`", text)
     for anchor in re.findall(r"\]\(#([\w-]+)\)", text):
-        found += places_in(TEXT_OF_ANCHOR[anchor])
-    return found
+        places += places_in(TEXT_OF_ANCHOR[anchor])
+    return places
 
 
 def is_named(file, places):
@@ -51,23 +51,24 @@ def is_named(file, places):
 def test_the_places_of_recipes_exist():
     tops = [ROOT / top for top in (".ci", "docs", "fmu_src", "models", "packaging", "tests")]
     files = [file for top in tops for file in top.rglob("*.*")] + [*ROOT.iterdir()]
-    found = {place for text in SECTIONS.values() for place in places_in(text)}
-    assert len(found) > 60
-    assert [place for place in found if not any(is_named(file, [place]) for file in files)] == []
+    places = {place for text in SECTIONS.values() for place in places_in(text)}
+    assert len(places) > 60
+    assert [place for place in places if not any(is_named(file, [place]) for file in files)] == []
 
 
 @pytest.mark.parametrize(
-    ("heading", "example"), [(heading, one) for heading in RECIPES for one in examples_in(heading)]
+    ("heading", "example"),
+    [(heading, example_of_recipe) for heading in RECIPES for example_of_recipe in examples_in(heading)],
 )
 def test_a_recipe_names_all_places_of_its_example(heading, example):
     word = re.compile(rf"(?<!\w){re.escape(example)}(?!\w)")
-    found = [file for file in SOURCES if word.search(file.read_text(encoding="utf-8"))]
-    assert len(found) > 0 or (ROOT / "models" / example).is_dir()
+    uses = [file for file in SOURCES if word.search(file.read_text(encoding="utf-8"))]
+    assert len(uses) > 0 or (ROOT / "models" / example).is_dir()
     # a folder of the package does not tell the place in it
     places = [place for place in places_in(RECIPES[heading]) if not (PACKAGE / place).is_dir()]
     assert places
     places += places_in(SECTIONS["After each change"])
-    assert [file.as_posix() for file in found if not is_named(file, places)] == []
+    assert [file.as_posix() for file in uses if not is_named(file, places)] == []
 
 
 def test_the_code_of_the_first_contribution_is_that_of_the_repository():
@@ -88,5 +89,5 @@ def test_random_scenes_have_the_keys_of_scenes():
         file.read_text(encoding="utf-8") for file in (ROOT / "tests/helpers/campaigns").glob("*.py")
     )
     words = {*re.findall(r"\w+", text)}
-    missing = {key for key, _ in keys_of(SceneContents) if re.findall(r"\w+", key)[-1] not in words}
-    assert missing == WITHOUT_RANDOM_SCENES
+    unused_keys = {key for key, _ in keys_of(SceneContents) if re.findall(r"\w+", key)[-1] not in words}
+    assert unused_keys == WITHOUT_RANDOM_SCENES

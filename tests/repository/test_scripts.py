@@ -23,7 +23,7 @@ def names_of(module):
         elif isinstance(node, ast.FunctionDef | ast.ClassDef):
             names.add(node.name)
         elif isinstance(node, ast.Assign | ast.AnnAssign):
-            names |= {found.id for found in ast.walk(node) if isinstance(found, ast.Name)}
+            names |= {name_node.id for name_node in ast.walk(node) if isinstance(name_node, ast.Name)}
     return names
 
 
@@ -37,7 +37,7 @@ def test_names_that_scripts_import_from_this_repository_exist():
         if isinstance(node, ast.ExceptHandler)
         for statement in node.body
     }
-    asked = {
+    imported_names = {
         (file.name, node.module, alias.name)
         for file, tree in trees
         for node in tree
@@ -45,9 +45,11 @@ def test_names_that_scripts_import_from_this_repository_exist():
         if id(node) not in older
         for alias in node.names
     }
-    found = {module: names_of(module) for _, module, _ in asked}
+    defined = {module: names_of(module) for _, module, _ in imported_names}
     assert [
-        name for name in asked if name[2] not in found[name[1]] and not find_spec(".".join(name[1:]))
+        name
+        for name in imported_names
+        if name[2] not in defined[name[1]] and not find_spec(".".join(name[1:]))
     ] == []
 
 
@@ -57,8 +59,8 @@ def test_every_family_of_solvers_has_its_module():
 
 
 def test_families_are_looked_for_where_they_are():
-    _, missing = peers.contenders(None, 1e-6, 0.0, ["no_family"])
-    assert missing == {"no_family": f"No module named '{peers.__name__}.no_family'"}
+    _, failures = peers.contenders(None, 1e-6, 0.0, ["no_family"])
+    assert failures == {"no_family": f"No module named '{peers.__name__}.no_family'"}
 
 
 def test_the_programs_that_write_generated_files_exist():

@@ -47,11 +47,11 @@ def site(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def found(site):
+def pages_of(site):
     """Return a function from a query to the pages that the site's search lists, the best first."""
     from playwright.sync_api import sync_playwright  # the quick tier does not need playwright
 
-    def found(query):
+    def pages_of(query):
         page.get_by_role("combobox").fill("")
         results = page.locator("ol a")
         results.first.wait_for(state="detached")  # those of the query before
@@ -67,7 +67,7 @@ def found(site):
         page = browser.new_page()
         page.goto(f"{site}index.html")
         page.keyboard.press("/")
-        yield found
+        yield pages_of
         browser.close()
 
 
@@ -87,5 +87,5 @@ def found(site):
         ("foot", "models/hopper.md"),
     ],
 )
-def test_a_search_leads_to_its_page(found, query, page):
-    assert next(other for other in found(query) if other != API) == page
+def test_a_search_leads_to_its_page(pages_of, query, page):
+    assert next(page_found for page_found in pages_of(query) if page_found != API) == page

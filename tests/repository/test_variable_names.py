@@ -1,4 +1,4 @@
-"""Variables of the package have names that say what they hold."""
+"""Variables of the package, and of rooms of the tests, have names that say what they hold."""
 
 import ast
 import re
@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-PACKAGE = Path(__file__).parents[2] / "fmu_src" / "chain_impact"
+ROOT = Path(__file__).parents[2]
+PACKAGE = ROOT / "fmu_src" / "chain_impact"
 ROOMS = {file.parent.name for file in PACKAGE.glob("*/__init__.py")} - {"kernel"}
 
 ADJECTIVES = """
@@ -55,10 +56,28 @@ def variables(file):
 @pytest.mark.parametrize("room", sorted(ROOMS))
 def test_no_variable_is_a_bare_adjective(room):
     """A name such as kept does not say what is kept: kept_rows does."""
-    found = {pair for file in (PACKAGE / room).rglob("*.py") for pair in variables(file)}
+    names_of_room = {pair for file in (PACKAGE / room).rglob("*.py") for pair in variables(file)}
     assert {
-        pair for pair in found if pair[1].lower().strip("_") in ADJECTIVES.split()
+        pair for pair in names_of_room if pair[1].lower().strip("_") in ADJECTIVES.split()
     } - PUBLIC_PARAMETERS == set()
+
+
+ROOMS_OF_TESTS = """
+tests/*.py
+tests/repository
+"""
+"""Files and folders of the repository, outside of the package, that are read."""
+SAY_NOTHING = "done found known one right said told truth"
+"""Alone, none of them says what a variable holds: a value is a ``result``, its known value ``expected``."""
+
+
+@pytest.mark.parametrize("room", ROOMS_OF_TESTS.split())
+def test_no_variable_of_a_test_says_nothing(room):
+    """A name such as done does not say what is done: process does."""
+    files = [file for path in ROOT.glob(room) for file in (path.rglob("*.py") if path.is_dir() else [path])]
+    assert files
+    names = {(file.name, name) for file in files for _, name in variables(file)}
+    assert {pair for pair in names if pair[1].lower().strip("_") in SAY_NOTHING.split()} == set()
 
 
 @pytest.mark.parametrize("room", sorted(ROOMS))
@@ -155,16 +174,16 @@ def is_truth(value):
 @pytest.mark.parametrize("room", sorted({*ROOMS, "kernel"}))
 def test_names_of_texts_and_of_truths_say_so(room):
     """A text such as points_text is not taken for points, nor a truth such as is_joint for a joint."""
-    found, truths = set(), [*TRUTHS.split(), *(MOTIONS.split() if room == "kernel" else ())]
+    misnamed, truths = set(), [*TRUTHS.split(), *(MOTIONS.split() if room == "kernel" else ())]
     for file in (PACKAGE / room).rglob("*.py"):
         for name, value in bindings(file):
             words = name.strip("_").split("_")
             if any(map(is_text, operands(value))) and words[-1] not in TEXTS.split():
-                found.add((file.name, name))
+                misnamed.add((file.name, name))
             if all(map(is_truth, operands(value))) and words[0] not in truths:
-                found.add((file.name, name))
+                misnamed.add((file.name, name))
     # the name of a type begins with a capital
-    assert {(file, name) for file, name in found if name.islower()} - OF_NUMBA == set()
+    assert {(file, name) for file, name in misnamed if name.islower()} - OF_NUMBA == set()
 
 
 KERNEL_WORDS = {
@@ -200,29 +219,29 @@ def all_names(file):
 
 @pytest.mark.parametrize("room", sorted(ROOMS))
 def test_a_word_stays_in_the_room_of_its_meaning(room):
-    found = set()
+    misplaced = set()
     for file in (PACKAGE / room).rglob("*.py"):
         path = file.relative_to(PACKAGE).as_posix()
         words = {word for name in all_names(file) for word in name.lower().split("_")}
-        found |= {
+        misplaced |= {
             (path, word)
             for word, files in ROOMS_OF_WORDS.items()
             if word in words and not re.fullmatch(files, path)
         }
-    assert found == set()
+    assert misplaced == set()
 
 
 @pytest.mark.parametrize("room", sorted(ROOMS))
 def test_words_of_the_kernel_have_no_other_meaning(room):
     """What the kernel calls a trial, a place or a word is not something else in another room."""
-    found = set()
+    misnamed = set()
     for file in (PACKAGE / room).rglob("*.py"):
         path, names = file.relative_to(PACKAGE).as_posix(), all_names(file)
         for word, allowed in KERNEL_WORDS.items():
             if word != "words" or not path.startswith(MEMORY):
-                found |= {
+                misnamed |= {
                     (path, name)
                     for name in names
                     if word in name.lower().split("_") and not re.fullmatch(allowed, name)
                 }
-    assert found - {("scene/errors.py", "place"), ("simulation/errors.py", "place")} == set()
+    assert misnamed - {("scene/errors.py", "place"), ("simulation/errors.py", "place")} == set()

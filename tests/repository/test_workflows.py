@@ -35,7 +35,7 @@ def check(program, *arguments):
         assert (ROOT / arguments[0]).is_file()
     elif program == "python":
         assert find_spec(arguments[1])
-        extras = (re.fullmatch(r"\.\[(\w+)\]", asked) for asked in arguments)
+        extras = (re.fullmatch(r"\.\[(\w+)\]", argument) for argument in arguments)
         assert {extra[1] for extra in extras if extra} <= PROJECT["optional-dependencies"].keys()
     elif program not in TOOLS:
         assert os.access(ROOT / program, os.X_OK)

@@ -60,15 +60,15 @@ def way(node):
 
 def writes(function):
     """Yield the (instance, part, field) that a function assigns to."""
-    known = {part: ["d", part] for part in PARTS & {argument.arg for argument in function.args.args}}
-    known |= {"d": ["d"], "t": ["t"]}
+    parts_of = {part: ["d", part] for part in PARTS & {argument.arg for argument in function.args.args}}
+    parts_of |= {"d": ["d"], "t": ["t"]}
     for target, value in sorted(assignments(function), key=lambda pair: pair[0].lineno):
         names = way(target if value is None or not isinstance(target, ast.Name) else value)
-        if not names or names[0] not in known:
+        if not names or names[0] not in parts_of:
             continue
-        names = known[names[0]] + names[1:]
+        names = parts_of[names[0]] + names[1:]
         if isinstance(target, ast.Name):
-            known[target.id] = names
+            parts_of[target.id] = names
         elif len(names) > 2 and names[1] in PARTS:
             yield names[0], names[1], names[2]
 
@@ -76,14 +76,14 @@ def writes(function):
 @pytest.fixture(scope="module")
 def writers():
     """Return each written field with its writing modules, separately for the tangent instances."""
-    found, tangent = defaultdict(set), defaultdict(set)
+    ordinary, tangent = defaultdict(set), defaultdict(set)
     for module in MODULES:
         for function in ast.walk(ast.parse((KERNEL / module).read_text(encoding="utf-8"))):
             if isinstance(function, ast.FunctionDef):
                 for instance, part, field in writes(function):
-                    own = tangent if module.startswith("tangent/") else found
+                    own = tangent if module.startswith("tangent/") else ordinary
                     own[f"{part}.{field}"].add((instance, module))
-    return found, tangent
+    return ordinary, tangent
 
 
 def declared(name):
@@ -99,14 +99,14 @@ def test_every_part_declares_its_writers():
 
 
 def test_each_field_is_written_by_its_declared_writers_only(writers):
-    found, _ = writers
+    ordinary, _ = writers
     strangers = {
         name: sorted({module for _, module in modules} - set(declared(name)))
-        for name, modules in found.items()
+        for name, modules in ordinary.items()
         if not {module for _, module in modules} <= set(declared(name))
     }
     assert strangers == {}
-    assert len(found) > 200
+    assert len(ordinary) > 200
 
 
 def test_a_field_has_one_writer_but_for_work_space_and_what_methods_return():
@@ -115,12 +115,15 @@ def test_a_field_has_one_writer_but_for_work_space_and_what_methods_return():
 
 
 def test_every_declared_writer_writes_its_fields(writers):
-    found, _ = writers
+    ordinary, _ = writers
     for part in PARTS:
         for field, declared in WRITERS[part].items():
-            others = LAYOUT[part].base.names
-            names = {f"{part}.{one}" for one in ([field] if field else set(others) - set(WRITERS[part]))}
-            own = [modules for name, modules in found.items() if name in names]
+            field_names = LAYOUT[part].base.names
+            names = {
+                f"{part}.{field_name}"
+                for field_name in ([field] if field else set(field_names) - set(WRITERS[part]))
+            }
+            own = [modules for name, modules in ordinary.items() if name in names]
             assert set(declared) <= {module for modules in own for _, module in modules}, (part, field)
 
 
