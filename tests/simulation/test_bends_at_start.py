@@ -17,6 +17,27 @@ ACCELERATION_JUMPS = {
     "the speed of the base bends": ("base.vy", SINE, "start"),
     "a step": (TORQUE, 'form = "steps"\ntimes = [-0.1, 0.0]\nvalues = [0.5, 0.0]', "time[2]"),
 }
+RESTING_LINK = """
+name = "LinkOnTable"
+gravity = [0.0, -9.81]
+[chain]
+base = "pinned"
+[[chain.links]]
+length = 0.5
+mass = 0.4
+[[walls]]
+name = "table"
+point = [0.0, -0.25]
+angle = 0.0
+[contact]
+stiffness = 1e5
+model = "newton_impact"
+points = [1]
+[inputs]
+wall_motion = ["table"]
+[initial]
+angles = [-0.5235987755982988]
+"""
 SMOOTH = {
     "a torque": (TORQUE, SINE, "start"),
     "a force with a phase": (PUSH, SINE + "phase = 1.0", "start"),
@@ -57,3 +78,16 @@ def test_where_a_signal_does_not_bend_the_derivative_is_for_both(name):
     np.testing.assert_allclose(found, earlier, rtol=0.0, atol=1e-6)
     np.testing.assert_allclose(found, later, rtol=0.0, atol=1e-6)
     assert told == []
+
+
+@pytest.mark.parametrize("output", ["link[1].angle", "wall.table.acceleration"])
+def test_a_wall_that_starts_to_move_makes_accelerations_jump(output):
+    """The tip rests on the wall, so the link gets the wall's acceleration at once."""
+    signal = f'input = "wall.table.velocity"\n{RAMP}shape = "linear"'
+    scene = parse_scene(f"{RESTING_LINK}\n[signals.drive]\n{signal}\n", "x")
+    parameter, step = "signal.drive.start", 1e-5
+    run = simulate(scene, 0.1, sensitivities=[parameter])
+    starts = [simulate(scene.with_values({parameter: start}), 0.1)[output] for start in (-step, 0.0)]
+    expected = (starts[1] - starts[0]) / step
+    np.testing.assert_allclose(run.sensitivity(output, parameter), expected, rtol=1e-3, atol=1e-4)
+    assert [sentence for sentence in run.sensitivity_limits if parameter in sentence]

@@ -1,4 +1,4 @@
-"""Finds knots of signals at t = 0, the start of the run, at which accelerations of the chain jump.
+"""Finds knots of signals at t = 0, the start of the run, at which accelerations of the chain or of a wall jump.
 
 The derivatives of a motion with respect to the times of such knots are one-sided.
 """
@@ -51,16 +51,14 @@ def _start_derivatives(d: Any, j: int, segment: int) -> np.ndarray:
 
 
 def _watched_orders(name: str) -> list[int]:
-    """Return which of VALUE, RATE and SECOND of an input change the chain's accelerations at once.
+    """Return which of VALUE, RATE and SECOND of an input change accelerations at once.
 
-    The motion of a wall counts as changing none, although it changes accelerations if a point touches the
-    wall.
+    These are accelerations of the chain or of a wall: the acceleration of a moving wall is an output, and it
+    is the acceleration of the points that rest on the wall.
     """
-    if name.startswith("base."):
-        return [SECOND]
     if is_motion(name):
-        return []
-    if name.startswith("wall."):
+        return [SECOND]
+    if name.endswith(".belt_speed"):
         return [RATE]  # the record has the integral of a signal of a belt's speed, so RATE is the speed
     is_target = name.endswith((".target_angle", ".target_position"))
     return [VALUE, RATE] if is_target else [VALUE]

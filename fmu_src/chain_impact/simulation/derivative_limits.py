@@ -57,7 +57,7 @@ ONE_SIDED = (
     "the derivative by {parameter} is for an earlier time only: its signal bends at the start of the run"
 )
 """The sentence for a parameter that shifts a bend or jump of a signal, if this is at the start of the run and
-makes accelerations of the chain jump."""
+makes accelerations of the chain or of a wall jump."""
 
 LEFT_OPEN = (
     "derivatives may be off by {share:.2g} of the largest, as the tolerance leaves open when sliding and "
