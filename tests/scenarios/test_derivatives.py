@@ -13,6 +13,7 @@ import pytest
 
 from chain_impact import simulate
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.derivatives import DifferentiatedRun
 from tests.helpers.models.derivatives import FIELDS, differentiate
 from tests.helpers.scenes.derivative_scenes import (
@@ -370,6 +371,16 @@ def test_the_derivative_of_the_energy_balance_is_constant(name):
 
 
 # --- simulate() ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("law", ["newton_impact", "hertz", "hunt_crossley"])
+def test_a_given_motion_does_not_depend_on_the_chain(law):
+    """The motion of the table is a function of time alone, also within a contact."""
+    scene = load_scene("bouncing_table").with_values({"contact.model": law})
+    outputs = [f"wall.y_min.{name}" for name in ("displacement", "velocity", "acceleration")]
+    run = simulate(scene, 0.2, 1e-4, tolerance=1e-5, output=outputs, sensitivities=["initial.vy"])
+    for output in outputs:
+        np.testing.assert_allclose(run.sensitivity(output, "initial.vy"), 0.0, rtol=0.0, atol=1e-11)
 
 
 def test_simulate_tells_the_same():

@@ -46,6 +46,19 @@ def change_up_to(step, theta, j):
     return theta * (step.dense[0, j] + remaining * (step.dense[1, j] + theta * low))
 
 
+def slope_within(step, theta, j):
+    """Return dy_j/dθ, the derivative of component j of the state at the fraction θ of the last step."""
+    remaining, dense = 1.0 - theta, step.dense
+    # the factors of ``change_up_to`` from the innermost one to the outermost one, each with its derivative
+    factor = dense[5, j] + theta * dense[6, j]
+    factor, slope = dense[4, j] + remaining * factor, remaining * dense[6, j] - factor
+    factor, slope = dense[3, j] + theta * factor, factor + theta * slope
+    factor, slope = dense[2, j] + remaining * factor, remaining * slope - factor
+    factor, slope = dense[1, j] + theta * factor, factor + theta * slope
+    factor, slope = dense[0, j] + remaining * factor, remaining * slope - factor
+    return factor + theta * slope
+
+
 def dissipated_energy(d, y):
     """Return the dissipated energy [J] in y, a state within the last step, limited by ``limit_energy``.
 

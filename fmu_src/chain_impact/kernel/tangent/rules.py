@@ -161,9 +161,9 @@ def fraction_at_time(t, time):
     if not is_regularized(t):
         return elapsed / step.size
     theta = value(dense_output.regularized_fraction(t, elapsed))
-    rate = value(step.size) * sundman_rate.regularized_time_rate(
-        value(dense_output.interpolate_component(step, theta, sundman_u_at(t.link_count)))
-    )
+    # dt/dθ of the interpolant: with that of the differential equation, the derivatives of the time at the
+    # result would not be zero
+    rate = value(dense_output.slope_within(step, theta, time_index))
     error = dense_output.interpolate_component(step, theta, time_index) - elapsed
     # a Newton step for the fraction θ at the time t, from its value θ₀: θ = θ₀ − (t(θ₀) − t)/ṫ with ṫ =
     # dt/dθ; where a contact begins or ends ṫ = 0, and ``reciprocal`` sets the derivatives of θ to 0
