@@ -1,4 +1,4 @@
-"""Finds knots of signals at t = 0, the start of the run, at which accelerations of the chain or of a wall jump.
+"""Finds knots of signals at t = 0, the start of the run, where accelerations of chain or walls jump.
 
 The derivatives of a motion with respect to the times of such knots are one-sided.
 """
