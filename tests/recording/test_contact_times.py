@@ -1,4 +1,4 @@
-"""A long contact has its marks and its words where and when its force is largest."""
+"""Pictures and texts show a long contact at the time and place of its largest force."""
 
 import numpy as np
 import pytest
@@ -10,16 +10,16 @@ from tests.pictures.pictures import recorded
 
 def test_a_long_contact_is_marked_when_its_force_is_largest():
     recording = recorded("elastic_floor")
-    impacts, marked = recording.impacts, impacts_at_peaks(recording)
+    impacts, marks = recording.impacts, impacts_at_peaks(recording)
     # the floor is a spring without losses: the force is largest in the middle of a contact
     ended = ~np.isnan(impacts["end"])
     middles = 0.5 * (impacts["onset"] + impacts["end"])[ended]
     row = recording.time[1] - recording.time[0]
-    assert marked["onset"][ended] == pytest.approx(middles, abs=row)
-    told = impact_text(recording, 0).partition("peak at ")[2]
-    assert float(told.removesuffix(" s")) == pytest.approx(middles[0], abs=1e-3)
+    assert marks["onset"][ended] == pytest.approx(middles, abs=row)
+    time_text = impact_text(recording, 0).partition("peak at ")[2]
+    assert float(time_text.removesuffix(" s")) == pytest.approx(middles[0], abs=1e-3)
     page = recording.plot(panels=["motion", "impacts"])
-    assert any(line.get_xdata()[:1] == [marked["onset"][0]] for axes in page.axes for line in axes.lines)
+    assert any(line.get_xdata()[:1] == [marks["onset"][0]] for axes in page.axes for line in axes.lines)
 
 
 def test_a_short_contact_is_marked_at_its_onset():

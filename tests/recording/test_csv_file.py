@@ -23,29 +23,30 @@ def scene():
 
 @pytest.mark.full("takes long")
 def test_a_table_is_what_it_was_written_from(tmp_path, scene):
-    whole = simulate(scene, output_step=1e-4)
-    written = replace(Recording("box", whole.time, whole.continuous_columns), impacts=whole.impacts)
-    written.save_csv(tmp_path / "box.csv")
+    result = simulate(scene, output_step=1e-4)
+    recording = replace(Recording("box", result.time, result.continuous_columns), impacts=result.impacts)
+    recording.save_csv(tmp_path / "box.csv")
     read = read_csv(tmp_path / "box.csv", scene)
-    assert read.columns.keys() == written.columns.keys()
-    np.testing.assert_array_equal(read.time, written.time)
-    np.testing.assert_array_equal(read.points, written.points)
+    assert read.columns.keys() == recording.columns.keys()
+    np.testing.assert_array_equal(read.time, recording.time)
+    np.testing.assert_array_equal(read.points, recording.points)
     assert read.name == "box"
-    assert not len(read.impacts)  # without columns impact.*
+    assert not len(read.impacts)  # the table has no columns impact.*
 
 
 @pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("settings", [{}, {"outputs.impacts": 0}, {"contact.model": "newton_impact"}])
 def test_the_table_of_a_scene_has_its_impacts_exactly(tmp_path, scene, settings):
-    written = simulate(with_settings(scene, settings))
-    assert len(written.impacts) > 10
-    written.save_csv(tmp_path / "box.csv")
+    result = simulate(with_settings(scene, settings))
+    assert len(result.impacts) > 10
+    result.save_csv(tmp_path / "box.csv")
     read = read_csv(tmp_path / "box.csv", scene)
     for name in ("point", "wall", "onset", "impact_speed"):
-        np.testing.assert_array_equal(read.impacts[name], written.impacts[name])
-    whole = "outputs.impacts" not in settings  # otherwise a table has only the values above
+        np.testing.assert_array_equal(read.impacts[name], result.impacts[name])
+    # without outputs of impacts, the table has only the values above
+    has_all_values = "outputs.impacts" not in settings
     for name in ("peak_force", "end"):
-        values = written.impacts[name] if whole else np.full(len(written.impacts), math.nan)
+        values = result.impacts[name] if has_all_values else np.full(len(result.impacts), math.nan)
         np.testing.assert_array_equal(read.impacts[name], values)
 
 

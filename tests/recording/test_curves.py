@@ -1,4 +1,4 @@
-"""The times of curves: they show the peaks that the list of impacts has, and pulses in joints."""
+"""The times of curves show the peaks in the list of impacts, and pulses."""
 
 import numpy as np
 import pytest
@@ -17,15 +17,15 @@ def test_curves_reach_the_peaks_of_lasting_contacts():
 
 
 def test_times_are_added_where_a_curve_bends():
-    asked = []
+    requested_times = []
 
     def series_at(time):
-        asked.append(time)
+        requested_times.append(time)
         return {"line": 2.0 * time, "pulse": np.exp(-(((time - 0.503) / 0.01) ** 2))}
 
     time, series = refine_times(np.linspace(0.0, 1.0, 101), series_at, ["line", "pulse"])
     assert series["pulse"].max() == pytest.approx(1.0, rel=1e-3)
-    added = np.setdiff1d(time, asked[0])
+    added = np.setdiff1d(time, requested_times[0])
     assert len(added)
     assert np.abs(added - 0.503).max() < 0.06
     time, _ = refine_times(np.linspace(0.0, 1.0, 101), series_at, ["line"])

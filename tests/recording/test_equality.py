@@ -1,7 +1,4 @@
-"""Results, recordings and comparisons are equal if their numbers are equal.
-
-The comparison raises no error.
-"""
+"""Results, recordings and comparisons are equal if their numbers are equal."""
 
 import math
 from dataclasses import replace
@@ -30,25 +27,25 @@ KINDS = {
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_equal_runs_are_equal_and_others_are_not(kind):
-    one, same, other = (
+    first_run, same_run, other_run = (
         KINDS[kind](scene) for scene in (SCENE, SCENE, SCENE.with_values({"link[1].mass": 1.1}))
     )
-    assert one == same
-    assert one != other
-    assert one not in (other, None, "text")
-    assert one in [other, same]
+    assert first_run == same_run
+    assert first_run != other_run
+    assert first_run not in (other_run, None, "text")
+    assert first_run in [other_run, same_run]
 
 
 def test_a_number_makes_the_difference():
     result = simulate(SCENE)
-    one = Recording("Rod", result.time, result.columns, result.impacts)
-    assert one == replace(one)
-    assert one != result
+    recording = Recording("Rod", result.time, result.columns, result.impacts)
+    assert recording == replace(recording)
+    assert recording != result
     for name in ("point[1].y", "energy.total"):
-        column = one.columns[name].copy()
+        column = recording.columns[name].copy()
         column[-1] = np.nextafter(column[-1], np.inf)
-        assert one != replace(one, columns={**one.columns, name: column})
-    assert one != replace(one, time=one.time[:-1])
+        assert recording != replace(recording, columns={**recording.columns, name: column})
+    assert recording != replace(recording, time=recording.time[:-1])
 
 
 def test_unknown_numbers_are_equal():

@@ -11,11 +11,11 @@ from chain_impact import SceneWarning, impacts_of, load_scene, simulate
 from chain_impact.recording.impacts import FMU_NAMES
 from chain_impact.simulation.instance import Instance
 
-EXACT = ("point", "wall", "onset", "impact_speed")
+EXACT_NAMES = ("point", "wall", "onset", "impact_speed")
 
 
 def recorded(scene, times):
-    """Return the record of an importer that reads all impacts at each communication point."""
+    """Return the record of an importer that reads all impacts at each communication point: name → list."""
     instance = Instance(scene)
     record = {"time": np.array(times), "impact.count": []}
     names = [(j, name) for j in range(scene.outputs.impacts) for name in FMU_NAMES]
@@ -38,7 +38,7 @@ def test_the_table_of_impacts_is_complete_at_any_communication_step(model, step)
     expected = simulate(scene).impacts
     table = impacts_of(recorded(scene, np.append(np.arange(0.0, stop, step), stop)))
     assert len(table) == len(expected)
-    for name in EXACT:
+    for name in EXACT_NAMES:
         np.testing.assert_array_equal(table[name], expected[name])
     for name in ("end", "separation_speed", "peak_force", "max_penetration", "impulse"):
         np.testing.assert_allclose(table[name], expected[name], rtol=1e-12, err_msg=name)

@@ -30,8 +30,8 @@ from tests.helpers.scenes.stops import UP, knee_scene
 
 
 @functools.cache
-def swung(up=False):
-    return simulate(knee_scene(**UP) if up else knee_scene())
+def swung(is_up=False):
+    return simulate(knee_scene(**UP) if is_up else knee_scene())
 
 
 def test_ranges_are_those_of_the_scene():
@@ -53,32 +53,32 @@ def test_an_arc_goes_from_stop_to_stop_or_a_right_angle_from_the_only_one():
 def test_the_lines_of_a_range_begin_where_the_link_is_at_its_stop():
     points = np.array([[0.0, 0.0], [3.0, 4.0], [3.0, 6.0]])
     arc, *marks = range_lines(points, {2: JointRange(-0.5, 1.0, 2.0)})
-    along = cmath.phase(3 + 4j)
+    link_angle = cmath.phase(3 + 4j)
     for place, angle in ((arc[0], -0.5), (arc[-1], 1.0), (marks[0].mean(0), -0.5), (marks[1].mean(0), 1.0)):
         assert complex(*place) == pytest.approx(
-            3 + 4j + cmath.rect(2.0 * RANGE_RADIUS, along + angle), abs=1e-14
+            3 + 4j + cmath.rect(2.0 * RANGE_RADIUS, link_angle + angle), abs=1e-14
         )
     first, _ = range_lines(points, {1: JointRange(-math.inf, 0.0, 5.0)})
-    assert complex(*first[-1]) == pytest.approx(5.0 * RANGE_RADIUS)  # a pinned base: measured from +x
+    # the angle of a link at a pinned base is measured from +x
+    assert complex(*first[-1]) == pytest.approx(5.0 * RANGE_RADIUS)
     place, direction = stop_mark(points, 2)
     assert (place.tolist(), direction.tolist()) == ([3.0, 4.0 + 2.0 * RANGE_RADIUS], [0.0, 1.0])
 
 
 def test_the_speeds_of_impacts_at_stops_can_be_compared_with_others():
-    found = swung()
-    at_stop, impacts = found.is_at_joint_stop, found.impacts
-    assert (impacts["point"][0], found.wall_names[impacts["wall"][0]], at_stop[0]) == (2, "joint_min", True)
+    result = swung()
+    at_stop, impacts = result.is_at_joint_stop, result.impacts
+    assert (impacts["point"][0], result.wall_names[impacts["wall"][0]], at_stop[0]) == (2, "joint_min", True)
     assert at_stop.any()
     assert not at_stop.all()
     np.testing.assert_array_equal(
-        found.linear_impact_speeds, impacts["impact_speed"] * np.where(at_stop, 0.5, 1.0)
+        result.linear_impact_speeds, impacts["impact_speed"] * np.where(at_stop, 0.5, 1.0)
     )
-    speeds = found.linear_impact_speeds[rows_by_speed(found)].tolist()
+    speeds = result.linear_impact_speeds[rows_by_speed(result)].tolist()
     assert speeds == sorted(speeds, reverse=True)
-    knee_at = found.point_at(1, impacts["onset"][0])
-    np.testing.assert_allclose(
-        found.impact_position(impacts[0]), knee_at, atol=0.01
-    )  # the ring is at the joint
+    knee_at = result.point_at(1, impacts["onset"][0])
+    # the ring is at the joint
+    np.testing.assert_allclose(result.impact_position(impacts[0]), knee_at, atol=0.01)
 
 
 def test_texts_name_the_joint_and_the_unit():
@@ -109,25 +109,25 @@ def test_tables_tell_the_units_at_stops():
     assert table.attrs["units"]["peak_force"] == "N"
     assert table.attrs["units_at_stops"]["peak_force"] == "N.m"
     assert table.attrs["units_at_stops"]["onset"] == "s"
-    held = swung().to_xarray()
-    assert held["joint[2].stop_moment"].attrs["units"] == "N.m"
-    assert held["joint[2].stop_moment"].values.tolist() == swung()["joint[2].stop_moment"].tolist()
-    assert held["force"].dims == ("time", "contact")
-    assert held["contact"].values.tolist() == ["contact[1].x_max", "contact[2].x_max"]
+    dataset = swung().to_xarray()
+    assert dataset["joint[2].stop_moment"].attrs["units"] == "N.m"
+    assert dataset["joint[2].stop_moment"].values.tolist() == swung()["joint[2].stop_moment"].tolist()
+    assert dataset["force"].dims == ("time", "contact")
+    assert dataset["contact"].values.tolist() == ["contact[1].x_max", "contact[2].x_max"]
 
 
 def test_a_table_of_all_outputs_is_the_same_recording(tmp_path):
     result, path = swung(), tmp_path / "knee.csv"
     result.save_csv(path)
-    again = read_csv(path, result.scene)
-    assert again.stops == result.stops
+    recording = read_csv(path, result.scene)
+    assert recording.stops == result.stops
     for name in set(IMPACT_DTYPE.names) - {"effective_mass", "x", "y"}:
-        np.testing.assert_array_equal(again.impacts[name], result.impacts[name])
+        np.testing.assert_array_equal(recording.impacts[name], result.impacts[name])
 
 
-@pytest.mark.parametrize(("up", "stop"), [(False, "joint_min"), (True, "joint_max")])
-def test_touches_have_the_moments_of_stops(up, stop):
-    result = swung(up)
+@pytest.mark.parametrize(("is_up", "stop"), [(False, "joint_min"), (True, "joint_max")])
+def test_touches_have_the_moments_of_stops(is_up, stop):
+    result = swung(is_up)
     moments = {
         interaction.wall: interaction.force
         for interaction in result.interactions
@@ -144,12 +144,12 @@ def test_impacts_at_stops_have_marks_and_their_own_axis():
     draw_overview(page, recording)
     names = {name for axes in page.axes for name in axes.get_legend_handles_labels()[1]}
     assert {"stops", "impacts", "joint 2", "point 2"} <= names
-    found = rings(page.axes[0], recording).values()
-    assert recording.is_at_joint_stop[[hit for hits in found for hit in hits]].any()
+    rows_of_rings = rings(page.axes[0], recording).values()
+    assert recording.is_at_joint_stop[[hit for hits in rows_of_rings for hit in hits]].any()
     axes = Figure().add_subplot()
     draw_impacts(axes, recording)
-    (right,) = axes.child_axes
-    assert (axes.get_ylabel(), right.get_ylabel()) == ("peak force [kN]", "at stops [N·m]")
+    (right_axis,) = axes.child_axes
+    assert (axes.get_ylabel(), right_axis.get_ylabel()) == ("peak force [kN]", "at stops [N·m]")
     scale, heights = stop_scale(recording), {line.get_label(): max(line.get_ydata()) for line in axes.lines}
     hardest = recording.impacts["peak_force"][recording.is_at_joint_stop].max()
     assert heights["joint 2"] == pytest.approx(scale * hardest)

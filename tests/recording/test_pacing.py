@@ -1,4 +1,4 @@
-"""The pace of an animation: slow through impacts and real time elsewhere, measured on the screen."""
+"""The pace of an animation: slow through impacts, real time elsewhere."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ from chain_impact.recording.pacing import (
 from chain_impact.studies.animate import record_slowly
 
 
-def seen(times, per_second, start, end):
+def screen_time(times, per_second, start, end):
     """Return the time on the screen [s] between two simulated times."""
     frames = np.interp([start, end], times, np.arange(len(times)))
     return np.diff(frames)[0] / per_second
@@ -27,21 +27,23 @@ def seen(times, per_second, start, end):
 def test_an_impact_takes_its_time_on_the_screen(duration, impact_time):
     span = (0.7, 0.7 + duration)
     times, per_second = frame_times(0.0, 2.0, [span], impact_time)
-    assert seen(times, per_second, *span) == pytest.approx(impact_time, rel=0.03)
+    assert screen_time(times, per_second, *span) == pytest.approx(impact_time, rel=0.03)
 
 
 def test_the_slowing_down_takes_the_logarithm_of_how_slow_it_is():
     """The logarithm follows from ∫ dt / (r + t/τ) from 0 to τ (1 − r) = −τ ln r."""
     duration, impact_time = 1e-3, 0.6
     times, per_second = frame_times(0.0, 2.0, [(0.7, 0.7 + duration)], impact_time)
-    least = duration / impact_time
-    expected = -SPEED_RAMP * np.log(least)
-    assert seen(times, per_second, 0.7 - SPEED_RAMP * (1 - least), 0.7) == pytest.approx(expected, rel=0.02)
+    lowest_rate = duration / impact_time
+    expected = -SPEED_RAMP * np.log(lowest_rate)
+    assert screen_time(times, per_second, 0.7 - SPEED_RAMP * (1 - lowest_rate), 0.7) == pytest.approx(
+        expected, rel=0.02
+    )
 
 
 def test_far_from_impacts_it_is_real_time():
     times, per_second = frame_times(0.0, 2.0, [(0.7, 0.701)])
-    assert seen(times, per_second, 1.0, 2.0) == pytest.approx(1.0, rel=1e-3)
+    assert screen_time(times, per_second, 1.0, 2.0) == pytest.approx(1.0, rel=1e-3)
     assert per_second == pytest.approx(FRAME_RATE, rel=0.01)
 
 
@@ -53,15 +55,15 @@ def test_without_impacts_or_slow_motion_the_frames_are_even(spans, impact_time):
 
 
 def test_short_and_lasting_contacts_are_slowed_for_a_while():
-    for span, shown in (((0.7, 0.7 + 1e-6), LEAST_DURATION), ((0.7, 1.9), LONGEST_SLOW)):
+    for span, slowed_duration in (((0.7, 0.7 + 1e-6), LEAST_DURATION), ((0.7, 1.9), LONGEST_SLOW)):
         times, per_second = frame_times(0.0, 2.0, [span])
-        assert seen(times, per_second, 0.7, 0.7 + shown) == pytest.approx(0.6, rel=0.1)
+        assert screen_time(times, per_second, 0.7, 0.7 + slowed_duration) == pytest.approx(0.6, rel=0.1)
 
 
 def test_an_impact_without_a_duration_is_a_short_stop():
     """The stop with its two ramps takes about 0.1 s more than real time."""
     times, per_second = frame_times(0.0, 2.0, [(0.7, 0.7)])
-    assert seen(times, per_second, 0.6, 0.8) - 0.2 == pytest.approx(0.11, abs=0.03)
+    assert screen_time(times, per_second, 0.6, 0.8) - 0.2 == pytest.approx(0.11, abs=0.03)
 
 
 def test_frames_increase_and_are_no_more_than_allowed():

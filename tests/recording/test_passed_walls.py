@@ -1,4 +1,4 @@
-"""Points that pass through walls: told only where this is so."""
+"""Results, summaries and pictures tell which points pass through a wall."""
 
 import pytest
 
@@ -15,11 +15,11 @@ def test_points_that_pass_through_a_wall_are_reported(points):
         k for k in range(5) if result[f"point[{k}].y"].min() < -0.01 < 0.01 < result[f"point[{k}].y"].max()
     ]
     assert len(through) == (4 if points == [1] else 0)
-    told = [
+    notes = [
         f"points {', '.join(map(str, through))} pass through y_min without touching it: see contact.points"
     ]
-    assert result.points_through_walls == (told if through else [])
-    for line in told:
+    assert result.points_through_walls == (notes if through else [])
+    for line in notes:
         assert (f"note     {line}" in repr(result).splitlines()) == bool(through)
         assert (f"note     {line}" in list(screen.summary(result))) == bool(through)
         texts = [text.get_text().replace("\n", " ") for text in result.plot(panels="energy").texts]

@@ -41,10 +41,10 @@ def test_csv_has_time_and_the_columns_in_their_order(tmp_path):
 
 
 def test_csv_keeps_every_bit_of_the_numbers(tmp_path):
-    given = recording({"awkward": np.array(AWKWARD), "count": np.arange(8, dtype=np.int32)})
-    given.save_csv(tmp_path / "out.csv")
+    original = recording({"awkward": np.array(AWKWARD), "count": np.arange(8, dtype=np.int32)})
+    original.save_csv(tmp_path / "out.csv")
     _, (time, awkward, count) = read(tmp_path / "out.csv")
-    assert time.tobytes() == given.time.tobytes()
+    assert time.tobytes() == original.time.tobytes()
     assert awkward.tobytes() == np.array(AWKWARD).tobytes()
     assert count.tolist() == list(range(8))
     # an integer is written without a decimal point
@@ -64,7 +64,7 @@ def test_a_failed_csv_leaves_the_old_one_alone(tmp_path):
 def test_a_place_that_cannot_be_written_is_named(tmp_path, place):
     (tmp_path / "file").write_text("")
     (tmp_path / "folder").mkdir()
-    # the path is a directory, has a file as parent, or has no parent
+    # a parent that does not exist, a parent that is a file, a path that is a directory
     with pytest.raises(OSError, match="director") as caught:
         recording().save_csv(tmp_path / place)
     assert caught.value.filename == str(tmp_path / place)
@@ -88,10 +88,10 @@ def shown(rows):
     """Return onset, point, wall and speed of impacts, by rows of count, time, point, wall and speed."""
     names = ("count", "last_time", "last_point", "last_wall", "last_speed")
     columns = {f"impact.{name}": np.array(column) for name, column in zip(names, zip(*rows), strict=True)}  # noqa: B905
-    found = shown_impacts(columns)
+    impacts = shown_impacts(columns)
     for name in ("end", "peak_force", "max_penetration", "impulse"):
-        assert np.isnan(found[name]).all()
-    return found[["onset", "point", "wall", "impact_speed"]].tolist()
+        assert np.isnan(impacts[name]).all()
+    return impacts[["onset", "point", "wall", "impact_speed"]].tolist()
 
 
 NONE, FIRST, SECOND = (0, 0.0, -1, 0, 0.0), (1, 0.15, 4, 3, 2.5), (2, 0.35, 0, 1, 0.5)
@@ -117,13 +117,13 @@ SCENES = ("four_link_box", "kneed_leg", "sliding_rod", "ramp")
 @pytest.mark.parametrize("model", SCENES)
 def test_the_arrays_of_a_result_are_those_of_its_columns(model):
     result = simulate(model, 0.6, output_step=0.01)
-    named = Recording(model, result.time, result.columns)
-    np.testing.assert_array_equal(named.points, result.points)
-    assert named.energies.keys() == result.energies.keys()
+    rebuilt = Recording(model, result.time, result.columns)
+    np.testing.assert_array_equal(rebuilt.points, result.points)
+    assert rebuilt.energies.keys() == result.energies.keys()
     for name, energy in result.energies.items():
-        np.testing.assert_array_equal(named.energies[name], energy)
-    places = {(interaction.point, interaction.wall): interaction for interaction in named.interactions}
-    assert len(places) == len(result.interactions) == len(named.interactions)
+        np.testing.assert_array_equal(rebuilt.energies[name], energy)
+    places = {(interaction.point, interaction.wall): interaction for interaction in rebuilt.interactions}
+    assert len(places) == len(result.interactions) == len(rebuilt.interactions)
     for interaction in result.interactions:
         for name in ("force", "penetration", "rate", "friction", "sticking"):
             np.testing.assert_array_equal(

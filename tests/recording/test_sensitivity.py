@@ -21,32 +21,36 @@ def result():
 
 
 @pytest.fixture(scope="module")
-def found(result):
+def sensitivities(result):
     return result.sensitivities
 
 
-def test_a_small_change_is_one_percent_or_a_hundredth_of_the_unit(found):
-    assert [found.step(name) for name in NAMES] == pytest.approx([0.007, 0.01, 0.01, -0.0981])
-    assert [found.step_text(name) for name in NAMES] == ["1 %", "0.01 m/s", "1 %", "1 %"]
+def test_a_small_change_is_one_percent_or_a_hundredth_of_the_unit(sensitivities):
+    assert [sensitivities.step(name) for name in NAMES] == pytest.approx([0.007, 0.01, 0.01, -0.0981])
+    assert [sensitivities.step_text(name) for name in NAMES] == ["1 %", "0.01 m/s", "1 %", "1 %"]
 
 
-def test_every_derivative_has_a_unit(found):
-    derivatives = found.named
-    assert derivatives.keys() <= found.units.keys()
-    assert found.units["point[4].x"] == "m"
+def test_every_derivative_has_a_unit(sensitivities):
+    derivatives = sensitivities.named
+    assert derivatives.keys() <= sensitivities.units.keys()
+    assert sensitivities.units["point[4].x"] == "m"
     (name,) = (name for name in derivatives if "point[4].x" in name and "link[1].mass" in name)
-    assert found.units[name] == "m/(kg)"
+    assert sensitivities.units[name] == "m/(kg)"
 
 
-def test_changes_are_derivatives_times_that(result, found):
+def test_changes_are_derivatives_times_that(result, sensitivities):
     for k, name in enumerate(NAMES):
         slopes = result.sensitivity("point[4].y", name)
-        np.testing.assert_array_equal(found.changes("point[4].y")[:, k], slopes * found.step(name))
+        np.testing.assert_array_equal(
+            sensitivities.changes("point[4].y")[:, k], slopes * sensitivities.step(name)
+        )
         slopes = result.impact_sensitivity("peak_force", name)
-        np.testing.assert_array_equal(found.impact_changes("peak_force")[:, k], slopes * found.step(name))
+        np.testing.assert_array_equal(
+            sensitivities.impact_changes("peak_force")[:, k], slopes * sensitivities.step(name)
+        )
         np.testing.assert_allclose(
-            found.relative("peak_force")[:, k],
-            slopes * found.step(name) / result.impacts["peak_force"],
+            sensitivities.relative("peak_force")[:, k],
+            slopes * sensitivities.step(name) / result.impacts["peak_force"],
             rtol=1e-15,
         )
 
@@ -60,20 +64,20 @@ def test_a_share_of_what_is_zero_is_none():
     assert result.sensitivities.relative("separation_speed")[0, 0] == pytest.approx(0.01, rel=1e-9)
 
 
-def test_columns_are_named_after_both(result, found):
-    named = found.named
-    assert list(named)[:2] == [
+def test_columns_are_named_after_both(result, sensitivities):
+    columns = sensitivities.named
+    assert list(columns)[:2] == [
         f"sensitivity.contact.restitution.{name}" for name in list(result.continuous_columns)[:2]
     ]
-    assert len(named) == len(NAMES) * len(result.continuous_columns)
+    assert len(columns) == len(NAMES) * len(result.continuous_columns)
     for output, parameter in (("point[4].x", "initial.vx"), ("energy.total", "gravity.y")):
-        right = result.sensitivity(output, parameter)
-        assert np.array_equal(named[f"sensitivity.{parameter}.{output}"], right)
+        expected = result.sensitivity(output, parameter)
+        assert np.array_equal(columns[f"sensitivity.{parameter}.{output}"], expected)
 
 
 def test_names_that_are_not_there(result):
-    for quantity, said in (("speed", "must be one of onset, end,"), ("*speed", "must be one of onset")):
-        with pytest.raises(UnknownNameError, match=said):
+    for quantity, pattern in (("speed", "must be one of onset, end,"), ("*speed", "must be one of onset")):
+        with pytest.raises(UnknownNameError, match=pattern):
             result.impact_sensitivity(quantity, "gravity.y")
     with pytest.raises(UnknownNameError, match=r"the nearest is point\[4\].x"):
         result.sensitivity("point[4]x", "gravity.y")
@@ -95,11 +99,11 @@ def test_a_table_has_them_and_can_be_read_again(tmp_path):
     with path.open(newline="") as file:
         head, *rows = csv.reader(file)
     column = head.index(f"sensitivity.{name}.point[0].y")
-    written = np.array([float(row[column]) for row in rows])
+    values = np.array([float(row[column]) for row in rows])
     assert np.array_equal(
-        written, recording.sensitivities.output_derivatives("point[0].y", name), equal_nan=True
+        values, recording.sensitivities.output_derivatives("point[0].y", name), equal_nan=True
     )
-    assert np.isnan(written).any()
-    again = read_csv(path, scene)
-    assert np.array_equal(again.columns["point[0].y"], recording.columns["point[0].y"])
-    assert again.impacts["onset"].tolist() == recording.impacts["onset"].tolist()
+    assert np.isnan(values).any()
+    read_back = read_csv(path, scene)
+    assert np.array_equal(read_back.columns["point[0].y"], recording.columns["point[0].y"])
+    assert read_back.impacts["onset"].tolist() == recording.impacts["onset"].tolist()

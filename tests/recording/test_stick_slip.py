@@ -29,12 +29,12 @@ def changes(*rows):
 
 def test_a_phase_lasts_until_the_next_change_of_its_own_contact():
     log = changes((0.1, 2, 4, 1), (0.15, 0, 4, -1), (0.2, 2, 4, 0), (0.4, 2, 4, 2), (0.5, 2, 4, 0))
-    found = phases_of(log)
-    assert found["point"].tolist() == [2, 0, 2, 2]
-    assert found["start"].tolist() == [0.1, 0.15, 0.2, 0.5]
-    np.testing.assert_array_equal(found["end"], [0.2, np.nan, 0.4, np.nan])
-    assert found["mode"].tolist() == [1, -1, 0, 0]
-    assert set(found["wall"]) == {4}
+    phases = phases_of(log)
+    assert phases["point"].tolist() == [2, 0, 2, 2]
+    assert phases["start"].tolist() == [0.1, 0.15, 0.2, 0.5]
+    np.testing.assert_array_equal(phases["end"], [0.2, np.nan, 0.4, np.nan])
+    assert phases["mode"].tolist() == [1, -1, 0, 0]
+    assert set(phases["wall"]) == {4}
 
 
 def test_phases_of_no_length_and_of_no_change_are_none():
@@ -57,24 +57,24 @@ def test_the_words_of_a_phase():
 def test_contacts_with_friction_have_phases_from_onset_to_end():
     result = simulate("sliding_rod", output_step=math.inf)
     for impact in result.impacts:
-        own = result.stick_slip[
+        phases = result.stick_slip[
             (result.stick_slip["point"] == impact["point"]) & (result.stick_slip["wall"] == impact["wall"])
         ]
-        of_impact = own[own["start"] >= impact["onset"]]
+        of_impact = phases[phases["start"] >= impact["onset"]]
         assert of_impact["start"][0] == impact["onset"]
         if np.isnan(impact["end"]):
-            assert np.isnan(own["end"][-1])
+            assert np.isnan(phases["end"][-1])
         else:
-            assert impact["end"] in own["end"]
+            assert impact["end"] in phases["end"]
 
 
 def test_a_log_that_fills_is_collected_in_time():
     """Within a step, modes change more often than the log has room for."""
     result = simulate(thrown(), output_step=math.inf)
-    own = result.stick_slip[result.stick_slip["wall"] == -1]
+    phases = result.stick_slip[result.stick_slip["wall"] == -1]
     assert len(result.stick_slip) > 30
-    assert own["start"][0] == 0.0
-    np.testing.assert_array_equal(own["start"][1:], own["end"][:-1])
+    assert phases["start"][0] == 0.0
+    np.testing.assert_array_equal(phases["start"][1:], phases["end"][:-1])
     rows = simulate(thrown(), output_step=1e-3).stick_slip
     assert rows.tobytes() == result.stick_slip.tobytes()
 
@@ -105,12 +105,12 @@ def test_a_result_without_friction_has_none_and_says_nothing():
 def test_the_phases_alternate_with_the_outputs():
     result = simulate(pendulum(), output_step=0.001)
     for joint in (1, 2):
-        own = result.stick_slip[result.stick_slip["point"] == joint]
-        np.testing.assert_array_equal(own["start"][1:], own["end"][:-1])
-        for phase in own:
-            inside = (result.time > phase["start"]) & ~(result.time >= phase["end"])
-            assert (result[f"joint[{joint}].sticking"][inside] == (phase["mode"] == 0)).all()
-            moment = result[f"joint[{joint}].friction_moment"][inside]
+        phases = result.stick_slip[result.stick_slip["point"] == joint]
+        np.testing.assert_array_equal(phases["start"][1:], phases["end"][:-1])
+        for phase in phases:
+            is_inside = (result.time > phase["start"]) & ~(result.time >= phase["end"])
+            assert (result[f"joint[{joint}].sticking"][is_inside] == (phase["mode"] == 0)).all()
+            moment = result[f"joint[{joint}].friction_moment"][is_inside]
             if phase["mode"]:
                 assert (np.sign(moment) == -phase["mode"]).all()
 
@@ -125,19 +125,19 @@ def test_phases_from_outputs_of_an_fmu_are_those_of_its_walls():
         "contact[1].elsewhere.sticking": np.ones(6),
         "joint[2].sticking": np.ones(6),
     }
-    found = phases_from(time, Recording("Test", time, columns).interactions, WALLS)
-    assert found.tolist() == [(1, 4, 1.0, 2.0, 1), (1, 4, 2.0, 4.0, 0)]
+    phases = phases_from(time, Recording("Test", time, columns).interactions, WALLS)
+    assert phases.tolist() == [(1, 4, 1.0, 2.0, 1), (1, 4, 2.0, 4.0, 0)]
 
 
 def test_a_table_of_outputs_has_them_again(tmp_path):
     result = simulate(sled(), output_step=0.01)
     recording = result
     recording.save_csv(tmp_path / "sled.csv")
-    again = read_csv(tmp_path / "sled.csv", sled())
-    sticking = again.stick_slip[again.stick_slip["mode"] == 0]
+    read_back = read_csv(tmp_path / "sled.csv", sled())
+    sticking = read_back.stick_slip[read_back.stick_slip["mode"] == 0]
     assert sticking["point"].tolist() == [0, 1]
-    exact = result.stick_slip[result.stick_slip["mode"] == 0]["start"]
-    np.testing.assert_allclose(sticking["start"], exact, atol=0.01)
+    starts = result.stick_slip[result.stick_slip["mode"] == 0]["start"]
+    np.testing.assert_allclose(sticking["start"], starts, atol=0.01)
 
 
 def test_the_screen_shows_the_first_ones():
@@ -150,22 +150,22 @@ def test_the_screen_shows_the_first_ones():
     )
     count = 4 * len(result.stick_slip)
     vars(result)["stick_slip"] = np.concatenate([result.stick_slip] * 4)
-    table, more, _ = stick_slip_table(result)
+    table, more_text, _ = stick_slip_table(result)
     assert table.row_count == 8
     rest = vars(result)["stick_slip"][8:]
-    assert more.startswith(
+    assert more_text.startswith(
         f"and {count - 8} more phases of dry friction, {(rest['mode'] == 0).sum()} of sticking"
     )
-    assert f"{rest['start'][-1]:.6f} s" in more
-    assert "Result.stick_slip" in more
+    assert f"{rest['start'][-1]:.6f} s" in more_text
+    assert "Result.stick_slip" in more_text
 
 
 def test_the_screen_points_to_a_result_only_where_there_is_one(tmp_path):
     simulate(pendulum(), output_step=0.01).save_csv(tmp_path / "pendulum.csv")
     recording = read_csv(tmp_path / "pendulum.csv", pendulum())
-    again = replace(recording, stick_slip=np.concatenate([recording.stick_slip] * 4))
-    more = next(part for part in stick_slip_table(again) if "more phase" in str(part))
-    assert "Result" not in str(more)
+    longer_recording = replace(recording, stick_slip=np.concatenate([recording.stick_slip] * 4))
+    more_line = next(part for part in stick_slip_table(longer_recording) if "more phase" in str(part))
+    assert "Result" not in str(more_line)
 
 
 # --- a chain that is stepped by hand -----------------------------------------------------------------------
@@ -182,13 +182,13 @@ def test_a_chain_has_the_phases_of_a_simulation_in_any_steps():
 def test_a_restored_chain_has_the_phases_so_far():
     chain = Chain(pendulum())
     chain.step_to(0.9)
-    state, then = chain.save(), chain.stick_slip
+    state, phases = chain.save(), chain.stick_slip
     chain.step_to(2.0)
-    later = chain.stick_slip
-    assert len(later) > len(then) > 2
+    later_phases = chain.stick_slip
+    assert len(later_phases) > len(phases) > 2
     chain.restore(state)
-    assert chain.stick_slip.tobytes() == then.tobytes()
+    assert chain.stick_slip.tobytes() == phases.tobytes()
     chain.step_to(2.0)
-    assert chain.stick_slip.tobytes() == later.tobytes()
+    assert chain.stick_slip.tobytes() == later_phases.tobytes()
     chain.reset()
     assert len(chain.stick_slip) == 2

@@ -39,16 +39,16 @@ def test_energy_supplied_is_in_the_energy_balance():
 def test_a_long_list_of_impacts_ends_with_how_many_more():
     scene, _ = dropped_ball(1e-3, stop_time=1.0, model="hertz", stiffness=1e10)
     result = simulate(scene)
-    more = len(result.impacts) - LISTED_IMPACTS
-    assert more > 1
+    rest_count = len(result.impacts) - LISTED_IMPACTS
+    assert rest_count > 1
     assert result._repr_html_().count("<tr>") == 1 + LISTED_IMPACTS
-    assert f"… and {more} more impacts" in result._repr_html_()
+    assert f"… and {rest_count} more impacts" in result._repr_html_()
     lines = repr(result).splitlines()
     assert lines[LISTED_IN_SHORT + 1].split()[0] == str(LISTED_IN_SHORT)
     assert lines[LISTED_IN_SHORT + 2] == f"… and {len(result.impacts) - LISTED_IN_SHORT} more impacts"
     printed = list(screen.summary(result))
     assert [len(part.rows) for part in printed if isinstance(part, Table)] == [LISTED_IMPACTS]
-    assert f"… and {more} more impacts; --impacts FILE writes all" in printed
+    assert f"… and {rest_count} more impacts; --impacts FILE writes all" in printed
 
 
 def test_a_force_below_a_million_newtons_has_no_exponent():
@@ -73,9 +73,9 @@ def test_the_largest_force_in_a_joint_says_when():
     fine = simulate(scene, stop_time=0.6, output_step=1e-5)
     assert len(lines) == 2
     for line in lines:
-        joint, told = re.search(r"joint\[(\d)\], at ([\d.]+) s, during impact 1$", line).groups()
+        joint, time_text = re.search(r"joint\[(\d)\], at ([\d.]+) s, during impact 1$", line).groups()
         time = fine.time[np.hypot(*fine.joint_forces[int(joint)].T).argmax()]
-        assert abs(float(told) - time) <= 1e-5
+        assert abs(float(time_text) - time) <= 1e-5
 
 
 def test_a_largest_force_without_its_time_has_a_row():

@@ -74,8 +74,8 @@ def test_a_dataset_has_dimensions_and_units(result):
     assert data["position"].sel(point=4, axis="x")[-1] == result["point[4].x"][-1]
     assert data["velocity"].units == "m/s"
     assert data["time"].units == "s"
-    chosen = data["penetration"].where(data.contact_wall == "y_min", drop=True)
-    assert chosen.contact_point.values.tolist() == [0, 1, 2, 3, 4]
+    penetration = data["penetration"].where(data.contact_wall == "y_min", drop=True)
+    assert penetration.contact_point.values.tolist() == [0, 1, 2, 3, 4]
 
 
 @needs_interop

@@ -14,15 +14,15 @@ SQUARE = np.array([[[0.0, 0.0], [2.0, 2.0]], [[0.0, 2.0], [2.0, 0.0]]])
 
 @pytest.mark.parametrize("gap", [0.0, 0.1, 0.9 * 2.0 * WALL_DISTANCE])
 def test_a_wall_that_is_near_is_in_view(gap):
-    view, near = view_corners(SQUARE, half_planes({"x_max": 2.0 + gap}, {}))
-    assert len(near) == 1
+    view, near_walls = view_corners(SQUARE, half_planes({"x_max": 2.0 + gap}, {}))
+    assert len(near_walls) == 1
     assert view.tolist() == [[0.0, 0.0], [2.0 + gap, 2.0]]
 
 
 @pytest.mark.parametrize("gap", [1.1 * 2.0 * WALL_DISTANCE, -2.1])
 def test_a_wall_far_from_the_motion_is_not(gap):
-    view, near = view_corners(SQUARE, half_planes({"x_max": 2.0 + gap}, {}))
-    assert near == {}
+    view, near_walls = view_corners(SQUARE, half_planes({"x_max": 2.0 + gap}, {}))
+    assert near_walls == {}
     assert view.tolist() == [[0.0, 0.0], [2.0, 2.0]]
 
 
@@ -32,10 +32,10 @@ def test_the_radius_is_seen():
 
 
 def test_a_wall_at_a_slant_is_seen_where_it_is_nearest():
-    view, near = view_corners(SQUARE, half_planes({}, {"ramp": (0.0, -0.2, -np.pi / 4)}))
-    assert len(near) == 1
+    view, near_walls = view_corners(SQUARE, half_planes({}, {"ramp": (0.0, -0.2, -np.pi / 4)}))
+    assert len(near_walls) == 1
     assert (view[0] < 0.0).all()
-    assert abs(near["ramp"].clearance(*view[0])) < 1e-12
+    assert abs(near_walls["ramp"].clearance(*view[0])) < 1e-12
 
 
 def hanging(angles, side=-1.0):
@@ -66,18 +66,18 @@ def test_the_ground_mark_of_a_base_that_moves_is_in_view_all_the_time():
     assert (lines <= view[1]).all()
 
 
-@pytest.mark.parametrize(("far", "whole"), [(1.9, True), (2.1, False)])
-def test_a_closed_room_is_seen_whole_unless_it_is_far_larger(far, whole):
-    walls = half_planes({"x_min": -0.1, "x_max": 2.1, "y_min": -0.1}, {"roof": (0.0, 2.0 + far, np.pi)})
-    view, near = view_corners(SQUARE, walls, room=1.0)
-    assert len(near) == (4 if whole else 3)
-    np.testing.assert_allclose(view, [[-0.1, -0.1], [2.1, 2.0 + far if whole else 2.0]], atol=1e-12)
+@pytest.mark.parametrize(("roof_gap", "is_whole"), [(1.9, True), (2.1, False)])
+def test_a_closed_room_is_seen_whole_unless_it_is_far_larger(roof_gap, is_whole):
+    walls = half_planes({"x_min": -0.1, "x_max": 2.1, "y_min": -0.1}, {"roof": (0.0, 2.0 + roof_gap, np.pi)})
+    view, near_walls = view_corners(SQUARE, walls, room=1.0)
+    assert len(near_walls) == (4 if is_whole else 3)
+    np.testing.assert_allclose(view, [[-0.1, -0.1], [2.1, 2.0 + roof_gap if is_whole else 2.0]], atol=1e-12)
 
 
 def test_a_room_that_is_open_on_a_side_is_not_closed():
     walls = half_planes({"x_min": -0.1, "x_max": 3.0, "y_min": -1.0}, {})
-    view, near = view_corners(SQUARE, walls, room=1.0)
-    assert len(near) == 1
+    view, near_walls = view_corners(SQUARE, walls, room=1.0)
+    assert len(near_walls) == 1
     assert view.tolist() == [[-0.1, 0.0], [2.0, 2.0]]
 
 

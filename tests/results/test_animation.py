@@ -22,11 +22,11 @@ def swing(rows=20):
 
 @pytest.mark.parametrize("suffix", BEGINNINGS)
 def test_the_suffix_says_which_kind_of_file(tmp_path, suffix):
-    path, done = tmp_path / f"swing{suffix}", []
-    write_animation(swing(), path, size=(320, 180), progress=done.append)
+    path, fractions = tmp_path / f"swing{suffix}", []
+    write_animation(swing(), path, size=(320, 180), progress=fractions.append)
     assert path.read_bytes().startswith(BEGINNINGS[suffix])
     assert list(tmp_path.iterdir()) == [path]
-    assert done[-1] == 1.0
+    assert fractions[-1] == 1.0
 
 
 @pytest.mark.parametrize(

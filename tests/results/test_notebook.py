@@ -23,5 +23,5 @@ def test_a_picture_shows_itself_once(cells, tmp_path):
     notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells])
     ExecutePreprocessor(timeout=300).preprocess(notebook, {"metadata": {"path": str(tmp_path)}})
     for cell in notebook.cells:
-        shown = [output for output in cell.outputs if "image/png" in output.get("data", {})]
-        assert len(shown) == len(cell.outputs) == int(cell.source.endswith(")"))
+        pictures = [output for output in cell.outputs if "image/png" in output.get("data", {})]
+        assert len(pictures) == len(cell.outputs) == int(cell.source.endswith(")"))

@@ -34,21 +34,21 @@ def result():
 
 
 def test_parameters_are_in_the_order_of_their_effect(result):
-    found = result.ranking("peak_force")
-    assert found.value == result.impacts["peak_force"].max()
+    ranking = result.ranking("peak_force")
+    assert ranking.value == result.impacts["peak_force"].max()
     for is_zero in (False, True):
-        sizes = [abs(effect.change) for effect in found.effects if (effect.value == 0.0) is is_zero]
+        sizes = [abs(effect.change) for effect in ranking.effects if (effect.value == 0.0) is is_zero]
         assert sizes == sorted(sizes, reverse=True)
-    zeros = [effect.value == 0.0 for effect in found.effects]
-    assert zeros == sorted(zeros)  # the step of a parameter that is 0 has no meaning of its own
-    assert found.without == ("link[2].joint_rest_angle", "initial.y")  # the wall is upright
-    assert found.effects[0].parameter == "initial.angle[1]"
-    assert {effect.parameter for effect in found.effects} | {*found.without, *found.left_out} == {
+    zeros = [effect.value == 0.0 for effect in ranking.effects]
+    assert zeros == sorted(zeros)  # effects at a value of 0 stand last: their steps cannot be compared
+    assert ranking.without == ("link[2].joint_rest_angle", "initial.y")  # the wall is upright
+    assert ranking.effects[0].parameter == "initial.angle[1]"
+    assert {effect.parameter for effect in ranking.effects} | {*ranking.without, *ranking.left_out} == {
         *result.sensitivities.parameters
     }
     # F ∝ K^(1/(1+n)): by Hertz's exponent, the relative effect is 2/5 of the stiffness's change
-    (stiffness,) = (effect for effect in found.effects if effect.parameter == "contact.stiffness")
-    assert found.share(stiffness) == pytest.approx(0.01 * 2 / 5, rel=0.01)
+    (stiffness,) = (effect for effect in ranking.effects if effect.parameter == "contact.stiffness")
+    assert ranking.share(stiffness) == pytest.approx(0.01 * 2 / 5, rel=0.01)
     derivative = result.impact_sensitivity("peak_force", "contact.stiffness")[0]
     assert stiffness.derivative == derivative
     assert stiffness.change == 0.01 * stiffness.value * derivative
@@ -64,9 +64,9 @@ def test_the_unit_of_a_stiffness_has_the_exponent_of_the_scene(result):
 
 
 def test_an_exponent_is_ranked_only_if_asked_for(result):
-    found = result.ranking("peak_force")
-    assert found.left_out == ("contact.exponent",)
-    assert "contact.exponent is left out: it changes the unit of the stiffness" in repr(found).splitlines()
+    ranking = result.ranking("peak_force")
+    assert ranking.left_out == ("contact.exponent",)
+    assert "contact.exponent is left out: it changes the unit of the stiffness" in repr(ranking).splitlines()
     (effect,) = result.ranking("peak_force", "contact.exponent").effects
     assert effect.derivative == result.impact_sensitivity("peak_force", "contact.exponent")[0]
     with pytest.raises(UnknownNameError, match="the nearest is link"):
@@ -81,32 +81,32 @@ def test_effects_are_those_of_a_run_with_one_percent_more(result):
         ("impact[1].speed", lambda run: run.impacts["impact_speed"][0]),
         ("point[2].x", lambda run: run["point[2].x"][-1]),
     ):
-        found = result.ranking(quantity)
-        assert found.value == pytest.approx(value(result), rel=1e-12)
-        (effect,) = (one for one in found.effects if one.parameter == "link[2].mass")
+        ranking = result.ranking(quantity)
+        assert ranking.value == pytest.approx(value(result), rel=1e-12)
+        (effect,) = (effect for effect in ranking.effects if effect.parameter == "link[2].mass")
 
-        def changed(mass, value=value):
+        def quantity_at(mass, value=value):
             return value(simulate(scene.with_values({"link[2].mass": mass})))
 
-        right = slope(changed, effect.value, 1e-4 * effect.value)
-        assert effect.derivative == pytest.approx(right, rel=1e-3), quantity
+        expected = slope(quantity_at, effect.value, 1e-4 * effect.value)
+        assert effect.derivative == pytest.approx(expected, rel=1e-3), quantity
 
 
 def test_a_ranking_shows_itself_in_80_columns_and_as_bars_to_both_sides(result, tmp_path):
-    found = result.ranking("peak_force")
-    head, _, *rows, _ = repr(found).splitlines()
+    ranking = result.ranking("peak_force")
+    head, _, *rows, _ = repr(ranking).splitlines()
     assert head.startswith("PinnedArm  peak_force = 1015.53 N (impact 1, point 2 at x_max")
     assert max(map(len, rows[:-1])) <= 80
     assert rows[-1] == "without effect: link[2].joint_rest_angle, initial.y"
     assert "0 + 0.01 N·m " in next(row for row in rows if row.startswith("joint[1].torque"))
-    assert "<table>" in found._repr_html_()
-    found.plot(tmp_path / "bars.svg")
+    assert "<table>" in ranking._repr_html_()
+    ranking.plot(tmp_path / "bars.svg")
     for size in (None, (84 / 25.4, 4.5)):
-        page = found.plot(size=size)
+        page = ranking.plot(size=size)
         page.draw_without_rendering()
-        drawn = [[bar.get_width() for bar in axes.patches] for axes in page.axes]
-        of_value, of_zero = ([e.change for e in found.effects if bool(e.value) == kind] for kind in (1, 0))
-        assert drawn == [pytest.approx(of_value), pytest.approx(of_zero)]
+        widths = [[bar.get_width() for bar in axes.patches] for axes in page.axes]
+        of_value, of_zero = ([e.change for e in ranking.effects if bool(e.value) == kind] for kind in (1, 0))
+        assert widths == [pytest.approx(of_value), pytest.approx(of_zero)]
         titles = [axes.get_title(loc="left") for axes in page.axes]
         assert titles == ["+ 1 % of the value", "+ 0.01 in SI units, as the value is 0: not comparable"]
         assert min(of_value) < 0.0 < max(of_value)
@@ -115,18 +115,18 @@ def test_a_ranking_shows_itself_in_80_columns_and_as_bars_to_both_sides(result, 
         assert np.ptp([0.0, *of_value, *of_zero]) > 0.9 * np.ptp(page.axes[0].get_xlim())
         for axes in page.axes:
             heading = next(text for text in axes.texts if text.get_text() == "first order")
-            (title,) = [each for each in axes.get_children() if each is axes._left_title]
+            (title,) = [child for child in axes.get_children() if child is axes._left_title]
             assert not heading.get_window_extent().overlaps(title.get_window_extent())
         for axes in page.axes:
-            seen = np.array(axes.get_xticks())
-            assert ((seen >= axes.get_xlim()[0]) & (seen <= axes.get_xlim()[1])).sum() >= 3
+            ticks = np.array(axes.get_xticks())
+            assert ((ticks >= axes.get_xlim()[0]) & (ticks <= axes.get_xlim()[1])).sum() >= 3
 
 
 def test_bars_of_other_sizes_have_scales_of_their_own(result):
     ranking = result.ranking("peak_force")
     of_value, at_zero = split_by_step(ranking.effects)
-    small = [effect._replace(change=1e-4 * effect.change) for effect in at_zero]
-    page = replace(ranking, effects=(*of_value, *small)).plot()
+    small_effects = [effect._replace(change=1e-4 * effect.change) for effect in at_zero]
+    page = replace(ranking, effects=(*of_value, *small_effects)).plot()
     for axes in page.axes:
         bars = [bar.get_width() for bar in axes.patches]
         assert np.ptp([0.0, *bars]) > 0.9 * np.ptp(axes.get_xlim())
@@ -138,8 +138,8 @@ def test_the_picture_has_bars_of_parameters_that_are_zero(result):
     of_value, at_zero = split_by_step(ranking.effects)
     page = replace(ranking, effects=(*(5 * of_value), *(5 * at_zero))).plot()
     assert [len(axes.patches) for axes in page.axes] == [12, 4]
-    few = replace(ranking, effects=(*of_value[:2], *(5 * at_zero))).plot()
-    assert [len(axes.patches) for axes in few.axes] == [2, 14]
+    shorter_page = replace(ranking, effects=(*of_value[:2], *(5 * at_zero))).plot()
+    assert [len(axes.patches) for axes in shorter_page.axes] == [2, 14]
 
 
 def test_a_second_run_checks_each_effect_of_the_picture(result):
@@ -150,8 +150,8 @@ def test_a_second_run_checks_each_effect_of_the_picture(result):
         runs[name] = value
         if name == "contact.stiffness":
             return None
-        given = {name: value} if name.startswith("joint") else {}
-        return simulate(scene if given else scene.with_values({name: value}), inputs=given)
+        inputs = {name: value} if name.startswith("joint") else {}
+        return simulate(scene if inputs else scene.with_values({name: value}), inputs=inputs)
 
     checked = ranking.checked(run)
     assert runs == {"link[2].mass": 0.6 + 0.006, "contact.stiffness": 1e7 + 1e5, "joint[1].torque": 0.01}
@@ -168,9 +168,9 @@ def test_a_second_run_checks_each_effect_of_the_picture(result):
 
 def test_effects_that_a_second_run_refutes_are_told_and_drawn(result):
     ranking = result.ranking("peak_force", ["link[2].mass", "joint[1].torque"])
-    other = simulate(result.scene.with_values({"initial.angular_velocity[1]": -1.0}))
-    change = other.impacts["peak_force"].max() - ranking.value
-    checked = ranking.checked(lambda name, value: other)
+    other_result = simulate(result.scene.with_values({"initial.angular_velocity[1]": -1.0}))
+    change = other_result.impacts["peak_force"].max() - ranking.value
+    checked = ranking.checked(lambda name, value: other_result)
     assert {effect.simulated for effect in checked.effects} == {change}
     assert all(effect.differs for effect in checked.effects)
     assert f"{change:+.3g}" in repr(checked)
@@ -208,8 +208,8 @@ def test_the_axis_of_refuted_effects_has_the_scale_of_the_runs(result):
     assert arrows["<"] == [1, 3]
     assert len(arrows["D"]) == 4, "the third run confirms its effect"
     assert [bar.get_facecolor()[3] for bar in axes.patches] == [0.0, 0.0, 1.0, 0.0]  # hollow
-    told = " ".join(page.texts[1].get_text().split())
-    assert "3 differ by more than 25 % (hollow bars); a bar with an arrow" in told
+    note = " ".join(page.texts[1].get_text().split())
+    assert "3 differ by more than 25 % (hollow bars); a bar with an arrow" in note
     title = page.get_suptitle()
     assert title.replace("\n", " ").startswith(
         f"PinnedArm: {plain_name(effects[2].parameter)} + 1 % raises point 2 x of "
@@ -219,17 +219,17 @@ def test_the_axis_of_refuted_effects_has_the_scale_of_the_runs(result):
 
 
 def test_a_long_bar_of_another_block_leaves_room_for_the_ranking():
-    """The second block is cut off at twice the reach of the first, with arrows of a bar and of a run."""
+    """The axis ends at twice the largest value of the first block; arrows mark values beyond it."""
     first = Bars(["a", "b"], [1.0, -0.5], ["1", "2"], "N", marks=[1.1, None])
     second = Bars(["c", "d"], [9.0, 0.2], ["3", "4"], "N", marks=[8.0, 0.3])
     assert shared_ends([first, second]) == [(-0.5, 2.2)] * 2
     page = Figure(layout="constrained")
     draw_bar_figure(page, title="t", conditions_text="x", blocks=[first, second])
     marks = [line for line in page.axes[1].lines if len(line.get_ydata()) == 1]
-    shown = [(mark.get_marker(), mark.get_ydata()[0], mark.get_markerfacecolor()) for mark in marks]
-    assert shown == [(">", 0, INCREASE), (">", 0, "none"), ("D", 1, INK)]
-    told = " ".join(text.get_text() for text in page.texts).replace("\n", " ")
-    assert all(note in told for note in (CUT_BARS, CUT_MARKS))
+    markers = [(mark.get_marker(), mark.get_ydata()[0], mark.get_markerfacecolor()) for mark in marks]
+    assert markers == [(">", 0, INCREASE), (">", 0, "none"), ("D", 1, INK)]
+    page_text = " ".join(text.get_text() for text in page.texts).replace("\n", " ")
+    assert all(note in page_text for note in (CUT_BARS, CUT_MARKS))
     assert Bars(["c"], [1.0], ["3"], "N", marks=[8.0]).cut_notes((-0.5, 2.2)) == {CUT_MARKS}
 
 
@@ -256,17 +256,22 @@ def test_the_words_on_effects_without_a_run_count_them_once(result):
     ranking = result.ranking("point[2].x", FOUR)
     first, second, *rest = ranking.effects
     checked = [e._replace(simulated=2.0 * e.change) for e in (first, second)]
-    found = replace(ranking, effects=(*checked, *rest))
-    assert found.verdict(checked) == (
+    checked_ranking = replace(ranking, effects=(*checked, *rest))
+    assert checked_ranking.verdict(checked) == (
         "runs with the new values for 2 of 4 effects: all differ by more than 25 %"
     )
-    one = [checked[0], second._replace(simulated=second.change)]
-    assert found.verdict(one) == "runs with the new values for 2 of 4 effects: 1 differs by more than 25 %"
+    half_confirmed = [checked[0], second._replace(simulated=second.change)]
+    assert (
+        checked_ranking.verdict(half_confirmed)
+        == "runs with the new values for 2 of 4 effects: 1 differs by more than 25 %"
+    )
 
 
 def test_an_effect_whose_run_lacks_the_impact_is_refuted(result):
-    free = simulate(result.scene, stop_time=0.1)
-    checked = result.ranking("impact[1].speed", "link[2].mass").checked(lambda name, value: free)
+    run_without_impact = simulate(result.scene, stop_time=0.1)
+    checked = result.ranking("impact[1].speed", "link[2].mass").checked(
+        lambda name, value: run_without_impact
+    )
     (effect,) = checked.effects
     assert np.isnan(effect.simulated)
     assert effect.differs
@@ -282,8 +287,8 @@ def test_a_second_run_has_the_same_quantity(result, quantity):
 
 def test_round_off_of_a_position_on_a_wall_is_not_ranked():
     names = ["gravity.y", "link[2].mass", "box.y_min", "contact.restitution"]
-    found = simulate("four_link_box", 0.6, sensitivities=names).ranking("impact[2].y")
-    assert [effect.parameter for effect in found.effects] == ["box.y_min"]
+    ranking = simulate("four_link_box", 0.6, sensitivities=names).ranking("impact[2].y")
+    assert [effect.parameter for effect in ranking.effects] == ["box.y_min"]
 
 
 def test_a_share_is_written_with_two_digits():
@@ -297,15 +302,15 @@ def test_a_share_is_written_with_two_digits():
 
 
 def test_the_unit_of_a_picture_suits_its_bars():
-    found = simulate("four_link_box", stop_time=0.6, sensitivities="contact.*").ranking("max_penetration")
-    page = found.plot()
-    title, most = page.get_suptitle().replace("\n", " "), found.effects[0]
+    ranking = simulate("four_link_box", stop_time=0.6, sensitivities="contact.*").ranking("max_penetration")
+    page = ranking.plot()
+    title, effect = page.get_suptitle().replace("\n", " "), ranking.effects[0]
     value, share = (
-        f"{1e3 * found.value:.4g} mm",
-        f"{signed_text(abs(100.0 * most.change / found.value))[1:]} %",
+        f"{1e3 * ranking.value:.4g} mm",
+        f"{signed_text(abs(100.0 * effect.change / ranking.value))[1:]} %",
     )
     assert (
-        f"{plain_name(most.parameter)} + 1 % lowers the largest penetration of {value} by about {share}"
+        f"{plain_name(effect.parameter)} + 1 % lowers the largest penetration of {value} by about {share}"
         in title
     )
     assert "[µm]" in page.axes[-1].get_xlabel()
@@ -335,11 +340,11 @@ def test_rows_are_apart_and_blocks_have_a_rule_between_them(result):
         assert -np.diff(places).max() >= 0.99 * pitch
         left = LEFT_MARGIN * page.dpi
         assert min(text.get_window_extent().x0 for text in names) >= left - 1.0
-        (title,) = [each for each in axes.get_children() if each is axes._left_title]
+        (title,) = [child for child in axes.get_children() if child is axes._left_title]
         assert title.get_window_extent().x0 == pytest.approx(left, abs=1.0)
     (rule,) = (artist for artist in page.artists if isinstance(artist, Line2D))
-    above, below = (axes.get_tightbbox() for axes in page.axes)
-    assert below.y1 < rule.get_ydata()[0] * page.bbox.height < above.y0
+    upper_box, lower_box = (axes.get_tightbbox() for axes in page.axes)
+    assert lower_box.y1 < rule.get_ydata()[0] * page.bbox.height < upper_box.y0
     # the quantity stands once below both blocks
     assert [bool(axes.get_xlabel()) for axes in page.axes] == [False, True]
 
@@ -354,21 +359,24 @@ def test_a_heading_ends_within_a_narrow_picture(result):
 
 def test_at_stops_the_moment_is_ranked():
     result = simulate(knee_scene(), stop_time=0.8, sensitivities="stop.*")
-    found = result.ranking("stop.peak_moment")
-    assert (found.unit, found.value) == ("N.m", result.impacts["peak_force"][result.is_at_joint_stop].max())
+    ranking = result.ranking("stop.peak_moment")
+    assert (ranking.unit, ranking.value) == (
+        "N.m",
+        result.impacts["peak_force"][result.is_at_joint_stop].max(),
+    )
     with pytest.raises(SceneError, match="max_penetration is 0: nothing presses against a wall"):
         result.ranking("max_penetration")
 
 
 def test_quantities_that_cannot_be_ranked_are_refused(result):
-    for name, told in {
+    for name, pattern in {
         "peak_forc": "peak_forc is not a quantity that can be ranked; the nearest is peak_force",
         "force": "the nearest is peak_force",
         "joint[2].force": r"the nearest is joint\[2\].peak_force",
         "impact[2].peak_force": r"impact\[2\].peak_force does not exist; the run has 1 impact",
         "impact[1].peak": r"impact\[1\].peak has no derivatives; must be onset, ",
     }.items():
-        with pytest.raises(SceneError, match=told):
+        with pytest.raises(SceneError, match=pattern):
             result.ranking(name)
     plain = simulate("pinned_arm", stop_time=0.6, sensitivities="gravity.y")
     with pytest.raises(SceneError, match=r"outputs\.loads must be true"):
@@ -389,11 +397,18 @@ def test_quantities_that_cannot_be_ranked_are_refused(result):
 
 
 def test_effects_that_cannot_be_trusted_are_unknown(result):
-    found = result.sensitivities
-    lost = {name: np.full_like(slopes, np.nan) for name, slopes in found.impact_slopes.items()}
-    ranking = ranking_of(result, replace(found, impact_slopes=lost), "peak_force", [*found.parameters])
+    sensitivities = result.sensitivities
+    unknown_slopes = {
+        name: np.full_like(slopes, np.nan) for name, slopes in sensitivities.impact_slopes.items()
+    }
+    ranking = ranking_of(
+        result,
+        replace(sensitivities, impact_slopes=unknown_slopes),
+        "peak_force",
+        [*sensitivities.parameters],
+    )
     assert ranking.effects == ranking.without == ()
-    assert ranking.unknown == tuple(found.parameters)
+    assert ranking.unknown == tuple(sensitivities.parameters)
     assert "not known: contact.stiffness" in repr(ranking)
 
 

@@ -51,11 +51,11 @@ def test_impacts_and_counts_are_told_over_time(result):
 
 
 def test_chosen_outputs_are_kept_and_others_are_told_where_they_are():
-    some = simulate(default_scene(), 0.6, output=["impact.count", "energy.total", "solver.s*"])
-    assert some.names == ("energy.total", "impact.count", "solver.steps", "solver.status")
-    assert some["impact.count"][-1] == 2
+    partial = simulate(default_scene(), 0.6, output=["impact.count", "energy.total", "solver.s*"])
+    assert partial.names == ("energy.total", "impact.count", "solver.steps", "solver.status")
+    assert partial["impact.count"][-1] == 2
     left_out = "impacts are in result.impacts, counts of the solver in result.statistics"
-    assert refusal(lambda: some["impact.last_time"]).endswith(left_out)
+    assert refusal(lambda: partial["impact.last_time"]).endswith(left_out)
 
 
 def test_counts_are_known_in_another_process_and_after_a_fault(result):
@@ -68,16 +68,16 @@ def test_counts_are_known_in_another_process_and_after_a_fault(result):
 
 
 def test_a_list_of_names_gives_a_dict(result):
-    found = result[["energy.total", "point[*].x"]]
-    assert list(found) == ["energy.total", *(f"point[{k}].x" for k in range(5))]
-    assert all(column is result[name] for name, column in found.items())
+    columns = result[["energy.total", "point[*].x"]]
+    assert list(columns) == ["energy.total", *(f"point[{k}].x" for k in range(5))]
+    assert all(column is result[name] for name, column in columns.items())
     assert result[["time"]]["time"] is result.time
 
 
 def test_a_pattern_gives_all_that_are_like_it(result):
-    found = result["point[*].x"]
-    assert list(found) == [f"point[{k}].x" for k in range(5)]
-    assert all(column is result[name] for name, column in found.items())
+    columns = result["point[*].x"]
+    assert list(columns) == [f"point[{k}].x" for k in range(5)]
+    assert all(column is result[name] for name, column in columns.items())
     assert len(result["contact[2].*.force"]) == 4
     assert list(result["*"]) == list(result.names)
 
@@ -88,32 +88,32 @@ def test_an_unknown_name_is_a_key_that_is_missing(result, name):
         result[name]
 
 
-# --- fewer outputs ---------------------------------------------------------------------------------------
+# --- some of the outputs ---------------------------------------------------------------------------------
 
 
 def test_some_outputs_are_the_same_bits_as_all(result):
-    wanted = ["energy.total", "point[*].x"]
-    some = simulate(default_scene(), 0.6, output=wanted)
-    assert some.names == ("energy.total", *(f"point[{k}].x" for k in range(5)))
-    assert some.outputs.nbytes == 6 * 8 * len(some.time)
-    for name in some.names:
-        assert some[name].tobytes() == np.ascontiguousarray(result[name]).tobytes()
-    assert some.impacts.tobytes() == result.impacts.tobytes()
-    assert some.statistics == result.statistics
+    patterns = ["energy.total", "point[*].x"]
+    partial = simulate(default_scene(), 0.6, output=patterns)
+    assert partial.names == ("energy.total", *(f"point[{k}].x" for k in range(5)))
+    assert partial.outputs.nbytes == 6 * 8 * len(partial.time)
+    for name in partial.names:
+        assert partial[name].tobytes() == np.ascontiguousarray(result[name]).tobytes()
+    assert partial.impacts.tobytes() == result.impacts.tobytes()
+    assert partial.statistics == result.statistics
     with pytest.raises(KeyError, match=r"point\[0\]\.y is not an output of this result"):
-        some.points  # noqa: B018
+        partial.points  # noqa: B018
     with pytest.raises(KeyError, match=r"energy\.kinetic is not an output of this result"):
-        some.energy  # noqa: B018
+        partial.energy  # noqa: B018
     with pytest.raises(KeyError, match=r"not an output of this result"):
-        some.plot()
+        partial.plot()
 
 
 def test_arrays_are_gathered_from_whatever_is_there(result):
-    some = simulate(default_scene(), 0.6, output=["point[*].*", "link[*].angle", "energy.*"])
-    assert some.points.tobytes() == np.ascontiguousarray(result.points).tobytes()
-    assert some.angles.tobytes() == np.ascontiguousarray(result.angles).tobytes()
-    for name in some.energy.dtype.names:
-        np.testing.assert_array_equal(some.energy[name], result.energy[name])
+    partial = simulate(default_scene(), 0.6, output=["point[*].*", "link[*].angle", "energy.*"])
+    assert partial.points.tobytes() == np.ascontiguousarray(result.points).tobytes()
+    assert partial.angles.tobytes() == np.ascontiguousarray(result.angles).tobytes()
+    for name in partial.energy.dtype.names:
+        np.testing.assert_array_equal(partial.energy[name], result.energy[name])
     pushed = load_scene("pinned_arm")
     balance = simulate(pushed, 0.1, inputs={"joint[2].torque": 1.0}, output="energy.*").energy
     assert abs(balance["supplied"][-1]) > 0.0
@@ -124,32 +124,32 @@ def test_the_energies_have_the_loss_by_friction():
     friction = slid.energy["friction"]
     assert friction[-1] > 0.01
     # this scene has no dampers, and its contacts lose nothing
-    lost = slid.energy["supplied"] - slid.energy["total"] + slid.energy["total"][0]
-    np.testing.assert_allclose(friction, lost, rtol=0, atol=1e-6)
+    losses = slid.energy["supplied"] - slid.energy["total"] + slid.energy["total"][0]
+    np.testing.assert_allclose(friction, losses, rtol=0, atol=1e-6)
     assert slid.energy.dtype.names == tuple(ENERGIES)
-    few = slid.scene.with_values(
+    scene = slid.scene.with_values(
         {f"outputs.{key}": False for key in ("contacts", "energies", "loads")} | {"outputs.impacts": 0}
     )
-    unknown = simulate(few, 0.1).energy
-    assert np.isnan(unknown["friction"]).all()
-    assert np.isfinite(unknown["dissipated"]).all()
+    energy = simulate(scene, 0.1).energy
+    assert np.isnan(energy["friction"]).all()
+    assert np.isfinite(energy["dissipated"]).all()
     assert not simulate(default_scene(), 0.1).energy["friction"].any()
 
 
 def test_a_result_of_a_scene_without_outputs_of_points_has_a_text():
     scene = load_scene("rod_drop").with_values({"outputs.points": False})
-    whole, some = simulate(scene, 0.1), simulate(scene, 0.1, output=["energy.total"])
-    assert whole.knows_points
-    assert not some.knows_points
-    assert repr(some).startswith("RodDrop  0 … 0.1 s, 0 impacts, 101 rows of 1 output\n")
+    result, partial = simulate(scene, 0.1), simulate(scene, 0.1, output=["energy.total"])
+    assert result.knows_points
+    assert not partial.knows_points
+    assert repr(partial).startswith("RodDrop  0 … 0.1 s, 0 impacts, 101 rows of 1 output\n")
 
 
 def test_a_wall_that_no_point_can_touch_is_passed():
     scene = load_scene("ramp").with_values({"contact.points": []})
     assert "ramp" not in scene.wall_names
-    found = simulate(scene)
-    assert f"note     {found.points_through_walls[0]}" in repr(found)
-    assert re.match(r"points .* pass through ramp without touching it", found.points_through_walls[0])
+    result = simulate(scene)
+    assert f"note     {result.points_through_walls[0]}" in repr(result)
+    assert re.match(r"points .* pass through ramp without touching it", result.points_through_walls[0])
 
 
 def test_no_outputs_leave_the_impacts(result):
@@ -185,13 +185,13 @@ def test_a_name_that_is_no_output_is_told_what_it_is(name, hint):
 
 
 def test_a_misspelt_output_is_refused_with_the_nearest_name():
-    for wrong, right in (("impact.cnt", "impact.count"), ("solver.stepz", "solver.steps")):
-        assert f"the nearest is {right}" in refusal(
-            lambda wrong=wrong: simulate(default_scene(), output=[wrong])
+    for misspelt_name, name in (("impact.cnt", "impact.count"), ("solver.stepz", "solver.steps")):
+        assert f"the nearest is {name}" in refusal(
+            lambda misspelt_name=misspelt_name: simulate(default_scene(), output=[misspelt_name])
         )
 
 
-# --- what it says ----------------------------------------------------------------------------------------
+# --- texts ---------------------------------------------------------------------------------------------
 
 
 def test_a_result_says_what_happened(result):
@@ -200,10 +200,12 @@ def test_a_result_says_what_happened(result):
     heads = ["#", "time, s", "point", "wall", "speed, m/s", "duration, ms", "peak force, N", "impulse, N·s"]
     assert re.split(r"  +", lines[1]) == heads
     first = result.impacts[0]
-    force = f"{100 * round(first['peak_force'] / 100)}"  # four digits of 19,1xx N, whose last digit is a 0
+    force = (
+        f"{100 * round(first['peak_force'] / 100)}"  # the text has four digits, of which the last is 0: 19100
+    )
     lasting = f"{1e3 * (first['end'] - first['onset']):.4g}"
-    told = ["1", "0.499446", "2", "y_min", "4.9710", lasting, force, f"{first['impulse']:.4g}"]
-    assert lines[2].split() == told
+    cells = ["1", "0.499446", "2", "y_min", "4.9710", lasting, force, f"{first['impulse']:.4g}"]
+    assert lines[2].split() == cells
     assert lines[3].split()[:5] == ["2", "0.534169", "4", "y_min", "3.1488"]
     assert lines[4].startswith("energy   61.663 J at the start = ")
     assert lines[5].startswith("balance  off by at most ")
@@ -218,9 +220,9 @@ def test_a_result_without_impacts_or_outputs_says_so():
 
 
 def test_a_notebook_shows_a_table_of_the_impacts(result):
-    shown = result._repr_html_()
-    assert shown.count("<tr>") == 3
-    assert "<td>2</td><td>0.534169</td><td>4</td><td>y_min</td><td>3.1488</td>" in shown
+    markup = result._repr_html_()
+    assert markup.count("<tr>") == 3
+    assert "<td>2</td><td>0.534169</td><td>4</td><td>y_min</td><td>3.1488</td>" in markup
 
 
 # --- pictures --------------------------------------------------------------------------------------------
@@ -235,11 +237,11 @@ def test_plot_gives_a_figure_or_writes_a_file(result, tmp_path):
 
 def test_a_picture_of_a_scene_without_energies_has_no_panel_of_them():
     scene = load_scene("rod_drop").with_values({"outputs.energies": False})
-    found = simulate(scene, stop_time=0.3)
-    assert not [axes for axes in found.plot().axes if "energy" in axes.get_ylabel()]
-    found.plot(panels=["motion"])
+    result = simulate(scene, stop_time=0.3)
+    assert not [axes for axes in result.plot().axes if "energy" in axes.get_ylabel()]
+    result.plot(panels=["motion"])
     with pytest.raises(UnknownNameError):
-        found.plot(panels=["energy"])
+        result.plot(panels=["energy"])
 
 
 def test_animate_writes_a_page(result, tmp_path):
@@ -249,15 +251,15 @@ def test_animate_writes_a_page(result, tmp_path):
 
 def test_animate_without_a_path_is_a_page_in_a_notebook(result, tmp_path):
     result.animate(tmp_path / "motion.html")
-    shown = result.animate()
-    assert shown.html == (tmp_path / "motion.html").read_text(encoding="utf-8")
-    assert html.unescape(re.search(r'srcdoc="([^"]*)"', shown._repr_html_())[1]) == shown.html
+    animation = result.animate()
+    assert animation.html == (tmp_path / "motion.html").read_text(encoding="utf-8")
+    assert html.unescape(re.search(r'srcdoc="([^"]*)"', animation._repr_html_())[1]) == animation.html
 
 
 def test_animate_needs_positions(tmp_path):
-    some = simulate(default_scene(), 0.6, output="energy.*")
+    partial = simulate(default_scene(), 0.6, output="energy.*")
     with pytest.raises(KeyError, match="not an output of this result"):
-        some.animate(tmp_path / "motion.html")
+        partial.animate(tmp_path / "motion.html")
     assert list(tmp_path.iterdir()) == []
 
 
