@@ -3,16 +3,16 @@
 from chain_impact import Recording, animate, record_slowly, simulate
 
 
-def page(what, folder):
-    animate(what, folder / "ball.html", impact_time=0.0)
+def page(source, folder):
+    animate(source, folder / "ball.html", impact_time=0.0)
     return (folder / "ball.html").read_bytes()
 
 
 def test_a_result_gives_the_page_of_its_own_method(tmp_path):
     result = simulate("bouncing_ball", 0.5)
-    found = page(result, tmp_path)
+    content = page(result, tmp_path)
     result.animate(tmp_path / "ball.html", impact_time=0.0)
-    assert found == (tmp_path / "ball.html").read_bytes()
+    assert content == (tmp_path / "ball.html").read_bytes()
 
 
 def test_a_scene_gives_the_page_of_its_slow_recording(tmp_path):

@@ -18,11 +18,11 @@ STOP = 0.5  # s
 )
 def test_a_run_of_a_sweep_is_that_of_a_simulation(scene, name, values):
     scene = scene.with_values({"simulation.stop_time": STOP})
-    found = sweep(scene, {name: values}, outputs=["link[1].angle"])
-    for value, angle, count in zip(values, found["link[1].angle"], found["impact.count"], strict=True):
+    runs = sweep(scene, {name: values}, outputs=["link[1].angle"])
+    for value, angle, count in zip(values, runs["link[1].angle"], runs["impact.count"], strict=True):
         result = simulate(scene.with_values({name: value}))
         assert [angle, count] == [result["link[1].angle"][-1], len(result.impacts)]
-    assert len(set(found["link[1].angle"])) == len(values)
+    assert len(set(runs["link[1].angle"])) == len(values)
 
 
 @pytest.mark.parametrize(
@@ -36,11 +36,11 @@ def test_a_fit_finds_the_value_that_made_the_data(scene, name, start, outputs):
     result = simulate(scene, stop_time=STOP, output_step=0.02)
     noise = 1e-5 * np.random.default_rng(1).standard_normal((len(outputs), len(result.time) - 1))
     columns = {output: result[output][1:] + part for output, part in zip(outputs, noise, strict=True)}
-    found = fit(
+    fit_result = fit(
         scene.with_values({name: start}),
         {"time": result.time[1:]} | columns,
         [name],
         sigma=dict.fromkeys(outputs, 1e-5),
     )
-    assert found.converged
-    assert abs(found.values[name] - scene.values[name]) < 4.0 * found.standard_errors[name] < 4e-3
+    assert fit_result.converged
+    assert abs(fit_result.values[name] - scene.values[name]) < 4.0 * fit_result.standard_errors[name] < 4e-3

@@ -21,8 +21,8 @@ K = "stiffness"
 
 
 @functools.cache
-def impacts(up=False):
-    return simulate(knee_scene(**UP) if up else knee_scene()).impacts
+def impacts(is_up=False):
+    return simulate(knee_scene(**UP) if is_up else knee_scene()).impacts
 
 
 def depth(stiffness, n, energy):
@@ -34,12 +34,16 @@ def test_a_law_with_another_exponent_is_as_deep_at_walls_and_stops():
     first = impacts()[0]
     energy = 0.5 * first["effective_mass"] * first["impact_speed"] ** 2
     changes = law_values(scene, "kelvin_voigt", first)
-    changed = scene.with_values(changes)
-    assert (changed.contact.exponent, changed.stops.exponent) == (1.0, 1.0)
-    before = [(1e8, 1.5), (1e6, 1.5), (1e4, 2.0)]
-    after = (changed.contact.stiffness, changed.contact.wall["x_max"].stiffness, changed.stops.stiffness)
-    for (stiffness, n), now in zip(before, after, strict=True):
-        assert depth(now, 1.0, energy) == pytest.approx(depth(stiffness, n, energy), rel=1e-12)
+    changed_scene = scene.with_values(changes)
+    assert (changed_scene.contact.exponent, changed_scene.stops.exponent) == (1.0, 1.0)
+    given_values = [(1e8, 1.5), (1e6, 1.5), (1e4, 2.0)]
+    new_stiffnesses = (
+        changed_scene.contact.stiffness,
+        changed_scene.contact.wall["x_max"].stiffness,
+        changed_scene.stops.stiffness,
+    )
+    for (stiffness, n), new_stiffness in zip(given_values, new_stiffnesses, strict=True):
+        assert depth(new_stiffness, 1.0, energy) == pytest.approx(depth(stiffness, n, energy), rel=1e-12)
 
 
 def test_stops_with_a_law_of_their_own_keep_it():
@@ -61,45 +65,50 @@ def test_the_contact_of_an_impact_is_that_of_its_wall_or_of_the_stops():
     assert contact_with_law(stop, "kelvin_voigt", at_stop).exponent == 1.0
 
 
-@pytest.mark.parametrize("up", [False, True])
-def test_laws_are_compared_at_a_stop(up):
-    scene = knee_scene(**UP) if up else knee_scene()
-    found = compare(scene, laws=["flores", "zhang_sharf", "newton_impact"])
-    assert found.is_at_stop
-    assert found.contact.restitution == 0.5
-    assert " kg·m² at " in heading(found)
-    assert heading(found).endswith("rad/s")
-    assert law_table(found).head[2:4] == ("peak, N·m", "depth, mrad")
-    run, first = found["zhang_sharf"], impacts(up)[0]
+@pytest.mark.parametrize("is_up", [False, True])
+def test_laws_are_compared_at_a_stop(is_up):
+    scene = knee_scene(**UP) if is_up else knee_scene()
+    comparison = compare(scene, laws=["flores", "zhang_sharf", "newton_impact"])
+    assert comparison.is_at_stop
+    assert comparison.contact.restitution == 0.5
+    assert " kg·m² at " in heading(comparison)
+    assert heading(comparison).endswith("rad/s")
+    assert law_table(comparison).head[2:4] == ("peak, N·m", "depth, mrad")
+    run, first = comparison["zhang_sharf"], impacts(is_up)[0]
     assert run.stiffness == 1e4
     # the loop consists of samples in time: the largest sample is near the peak
     assert run.loop.max(axis=1) == pytest.approx([first["max_penetration"], first["peak_force"]], rel=1e-4)
-    assert found["newton_impact"].peak_force == 0.0
+    assert comparison["newton_impact"].peak_force == 0.0
 
 
-@pytest.mark.parametrize("kept", ["flores", "newton_impact"])
-def test_laws_are_compared_at_a_wall_where_stops_keep_their_law(kept):
+@pytest.mark.parametrize("kept_law", ["flores", "newton_impact"])
+def test_laws_are_compared_at_a_wall_where_stops_keep_their_law(kept_law):
     """The first impact is at a stop and equal under all laws, so it does not distinguish them."""
-    found = compare(knee_scene(**{"stops.model": kept}), laws=["flores", "zhang_sharf", "kelvin_voigt"])
-    result = found["zhang_sharf"].result
+    comparison = compare(
+        knee_scene(**{"stops.model": kept_law}), laws=["flores", "zhang_sharf", "kelvin_voigt"]
+    )
+    result = comparison["zhang_sharf"].result
     assert result.scene.wall_names[result.impacts["wall"][0]] == "joint_min"
     at_wall = result.impacts[result.impacts["wall"] == 1][0]
-    assert found.first_impact.tobytes() == at_wall.tobytes()
-    assert not found.is_at_stop
-    assert found.contact.restitution == 0.25
-    assert f"first impact at a wall at {at_wall['onset']:.6g} s" in heading(found)
-    assert law_table(found).head[2] == "peak, kN"
-    assert legend(found).endswith(f"The stops keep {kept} under every law.")
-    assert advice(found) == "within 5 % of e = 0.25 in this impact: zhang_sharf"
+    assert comparison.first_impact.tobytes() == at_wall.tobytes()
+    assert not comparison.is_at_stop
+    assert comparison.contact.restitution == 0.25
+    assert f"first impact at a wall at {at_wall['onset']:.6g} s" in heading(comparison)
+    assert law_table(comparison).head[2] == "peak, kN"
+    assert legend(comparison).endswith(f"The stops keep {kept_law} under every law.")
+    assert advice(comparison) == "within 5 % of e = 0.25 in this impact: zhang_sharf"
     for law in ("flores", "zhang_sharf"):
-        run, row = found[law], found[law].result.impacts[found[law].result.impacts["wall"] == 1][0]
+        run, row = (
+            comparison[law],
+            comparison[law].result.impacts[comparison[law].result.impacts["wall"] == 1][0],
+        )
         assert run.restitution == row["separation_speed"] / row["impact_speed"]
         assert run.loop.max(axis=1) == pytest.approx([row["max_penetration"], row["peak_force"]], rel=1e-3)
-    other = found["kelvin_voigt"]
+    viscous_run = comparison["kelvin_voigt"]
     energy = 0.5 * at_wall["effective_mass"] * at_wall["impact_speed"] ** 2
-    assert depth(other.stiffness, 1.0, energy) == pytest.approx(depth(1e8, 1.5, energy), rel=1e-12)
-    assert "in the first impact, for e = 0.25" in headline(found)
-    assert conditions(found, looks_of(found)).startswith("first impact at a wall of ")
+    assert depth(viscous_run.stiffness, 1.0, energy) == pytest.approx(depth(1e8, 1.5, energy), rel=1e-12)
+    assert "in the first impact, for e = 0.25" in headline(comparison)
+    assert conditions(comparison, looks_of(comparison)).startswith("first impact at a wall of ")
 
 
 def test_a_contact_that_holds_while_the_compared_impact_begins_is_told():
@@ -110,11 +119,11 @@ def test_a_contact_that_holds_while_the_compared_impact_begins_is_told():
     scene = knee_scene(
         **{"stops.model": "newton_impact", "stop.restitution": 0.0}, **pressed, **straight, **turning
     )
-    found = compare(scene, laws=["zhang_sharf"])
-    stop, wall = found["zhang_sharf"].result.impacts[[0, 1]]
+    comparison = compare(scene, laws=["zhang_sharf"])
+    stop, wall = comparison["zhang_sharf"].result.impacts[[0, 1]]
     assert (stop["wall"], wall["wall"]) == (4, 1)
     assert not stop["end"] < wall["onset"]
-    assert found["zhang_sharf"].note == OVERLAPS
+    assert comparison["zhang_sharf"].note == OVERLAPS
 
 
 @pytest.mark.parametrize(

@@ -12,12 +12,12 @@ from chain_impact import compare, fit, load_scene, model_names, simulate, sweep
 
 
 def forms(thing):
-    """Return the form for a notebook, parsed: it is well-formed, and its texts are escaped."""
+    """Return the parsed HTML of a notebook's display; it is well-formed, and its texts are escaped."""
     return ElementTree.fromstring(thing._repr_html_())
 
 
 def cells(form):
-    """Return the rows of its tables."""
+    """Return the rows of the tables in a parsed display, each as a list of texts."""
     return [["".join(cell.itertext()) for cell in row] for row in form.iter("tr")]
 
 
@@ -46,7 +46,11 @@ def test_a_scene_is_a_small_drawing_and_its_lines(model):
     drawing = next(part for part in form if part.tag.endswith("svg"))
     assert max(float(drawing.get(side)) for side in ("width", "height")) == 240
     low_x, low_y, width, height = map(float, drawing.get("viewBox").split())
-    points = [(float(one.get("cx")), float(one.get("cy"))) for one in drawing if one.tag.endswith("circle")]
+    points = [
+        (float(circle.get("cx")), float(circle.get("cy")))
+        for circle in drawing
+        if circle.tag.endswith("circle")
+    ]
     assert len(points) == len(scene.start)
     assert all(low_x < x < low_x + width and low_y < y < low_y + height for x, y in points)
     x, y = scene.initial.position
@@ -82,8 +86,8 @@ def test_a_sweep_lists_its_first_runs_and_ends_with_how_many_more(swept):
 
 def test_sensitivities_tell_changes_at_the_end():
     result = simulate("rod_drop", 0.1, sensitivities=["gravity.y"])
-    found = result.sensitivities
-    head, row = cells(forms(found))
+    sensitivities = result.sensitivities
+    head, row = cells(forms(sensitivities))
     assert head[:3] == ["parameter", "value", "change"]
     change = 0.01 * -9.81 * result.sensitivity("point[1].y", "gravity.y")[-1]
     assert row == ["gravity.y", "-9.81 m/s²", "+ 1 %", *row[3:]]

@@ -13,14 +13,14 @@ from chain_impact.studies.animate import record_slowly
 
 def test_a_dense_recording_is_the_same_simulation():
     scene = load_scene("four_link_box")
-    done = []
-    close, even = record_slowly(scene, progress=done.append), simulate(scene)
+    fractions = []
+    close, even = record_slowly(scene, progress=fractions.append), simulate(scene)
     assert are_equal(close.impacts, even.impacts)
     assert (close.time[0], close.time[-1]) == (0.0, 2.0)
     for name in ("point[4].x", "energy.total"):
         assert close.columns[name][-1] == even.columns[name][-1]
-    assert done == sorted(done)
-    assert done[-1] == 1.0
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == 1.0
 
 
 def test_inputs_act_as_in_simulate():
@@ -58,17 +58,18 @@ def test_a_function_acts_between_dense_rows_as_in_simulate(interpolation):
 
 @pytest.mark.parametrize("model", ["ramp", "rocking_block"])
 def test_each_contact_has_the_rows_that_its_peak_needs(model):
-    """Also weak contacts, which are not shown in slow motion; the reference is the kernel's peak."""
+    """This holds also for weak contacts, which are not shown in slow motion."""
     scene = load_scene(model)
     recording = record_slowly(scene)
     for impact in recording.impacts:
         (interaction,) = (
-            one
-            for one in recording.interactions
-            if (one.point, one.wall) == (impact["point"], recording.wall_names[impact["wall"]])
+            interaction
+            for interaction in recording.interactions
+            if (interaction.point, interaction.wall)
+            == (impact["point"], recording.wall_names[impact["wall"]])
         )
-        within = (recording.time >= impact["onset"]) & ~(recording.time > impact["end"])
-        assert interaction.force[within].max() == pytest.approx(impact["peak_force"], rel=0.02)
+        is_within = (recording.time >= impact["onset"]) & ~(recording.time > impact["end"])
+        assert interaction.force[is_within].max() == pytest.approx(impact["peak_force"], rel=0.02)
 
 
 def test_rows_follow_each_other_closely_only_near_impacts():

@@ -46,9 +46,9 @@ def test_a_row_tells_what_simulate_gives(box, law):
 
 
 def test_the_energy_lost_is_that_of_the_effective_mass():
-    scene, exact = struck_ball(damping_factor=exact_damping_factor(0.7))
+    scene, expected = struck_ball(damping_factor=exact_damping_factor(0.7))
     comparison = compare(scene)
-    assert comparison["zhang_sharf"].energy_lost == pytest.approx(exact.dissipated, rel=1e-6)
+    assert comparison["zhang_sharf"].energy_lost == pytest.approx(expected.dissipated, rel=1e-6)
     assert comparison["hertz"].energy_lost == pytest.approx(0.0, abs=1e-9)
 
 
@@ -90,9 +90,9 @@ def test_the_divergence_is_the_first_impact_elsewhere(box):
         return [(row["point"], row["wall"]) for row in box[law].result.impacts]
 
     assert box["zhang_sharf"].divergence is None
-    found = {run.law: run.divergence for run in box.runs if run.divergence}
-    assert len(found) > 5
-    for law, number in found.items():
+    divergences = {run.law: run.divergence for run in box.runs if run.divergence}
+    assert len(divergences) > 5
+    for law, number in divergences.items():
         assert places(law)[: number - 1] == places("zhang_sharf")[: number - 1]
         assert places(law)[number - 1 : number] != places("zhang_sharf")[number - 1 : number]
         assert 0.0 < box[law].divergence_time < 2.0
@@ -156,10 +156,10 @@ def test_a_users_law_is_compared_too():
 
 
 def test_progress_goes_from_nothing_to_all():
-    told = []
-    compare(ball(height=0.01), progress=told.append)
-    assert told == sorted(told)
-    assert told[-1] == pytest.approx(1.0)
+    fractions = []
+    compare(ball(height=0.01), progress=fractions.append)
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == pytest.approx(1.0)
 
 
 def test_the_csv_has_a_row_for_each_law(box, tmp_path):
@@ -175,10 +175,10 @@ def test_the_csv_has_a_row_for_each_law(box, tmp_path):
 
 def test_some_laws_only():
     scene = default_scene()
-    found = compare(scene, laws=["flores", "hertz"])
-    assert [run.law for run in found.runs] == ["hertz", "flores"]
-    alone = compare(scene, laws=["kelvin_voigt"])
-    assert [run.law for run in alone.runs] == ["kelvin_voigt", scene.contact.model]
+    comparison = compare(scene, laws=["flores", "hertz"])
+    assert [run.law for run in comparison.runs] == ["hertz", "flores"]
+    single_law = compare(scene, laws=["kelvin_voigt"])
+    assert [run.law for run in single_law.runs] == ["kelvin_voigt", scene.contact.model]
     unfit = str(compare(scene, laws=["hertz"]))
     assert unfit.endswith(f"of e = {scene.contact.restitution:g} in this impact: none of these laws")
     with pytest.raises(SceneError, match="flore is not a contact law; the nearest is flores"):
@@ -193,6 +193,6 @@ def test_a_scene_can_be_named(tmp_path):
     file = tmp_path / "drop.toml"
     text = (models_folder() / "rod_drop" / "scene.toml").read_text(encoding="utf-8")
     file.write_text(text.replace("stop_time = 2.0", "stop_time = 0.35"), encoding="utf-8")
-    named = compare(file)
-    assert named.scene == load_scene(file)
-    assert named.first_impact["onset"] == compare(str(file)).first_impact["onset"]
+    comparison = compare(file)
+    assert comparison.scene == load_scene(file)
+    assert comparison.first_impact["onset"] == compare(str(file)).first_impact["onset"]

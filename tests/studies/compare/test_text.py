@@ -17,22 +17,24 @@ def box():
 
 
 def test_advice_is_the_laws_that_realise_the_restitution_in_the_impact(box):
-    near = [run.law for run in box.runs if 0.665 <= run.restitution <= 0.735]
-    assert {"zhang_sharf", "hu_guo", "newton_impact"} <= set(near)
+    laws = [run.law for run in box.runs if 0.665 <= run.restitution <= 0.735]
+    assert {"zhang_sharf", "hu_guo", "newton_impact"} <= set(laws)
     # at 5 m/s this law dissipates more than at its design speed of 1 m/s
-    assert "kuwabara_kono" not in near
-    said = advice(box)
-    assert said.startswith(f"within 5 % of e = 0.7 in this impact: {len(near)} laws")
-    assert [law for law in CONTACT_LAWS if law in said] == ["zhang_sharf"]
-    others = [run for run in box.runs if run.law != "zhang_sharf"]
-    far = replace(box, runs=(replace(box["zhang_sharf"], restitution=0.1), *others))
-    nearest = min(others, key=lambda run: abs(run.restitution - 0.7)).law
-    assert [law for law in CONTACT_LAWS if law in advice(far)] == [nearest]
+    assert "kuwabara_kono" not in laws
+    text = advice(box)
+    assert text.startswith(f"within 5 % of e = 0.7 in this impact: {len(laws)} laws")
+    assert [law for law in CONTACT_LAWS if law in text] == ["zhang_sharf"]
+    other_runs = [run for run in box.runs if run.law != "zhang_sharf"]
+    comparison = replace(box, runs=(replace(box["zhang_sharf"], restitution=0.1), *other_runs))
+    nearest_law = min(other_runs, key=lambda run: abs(run.restitution - 0.7)).law
+    assert [law for law in CONTACT_LAWS if law in advice(comparison)] == [nearest_law]
 
 
 def test_the_advice_names_all_of_a_few_laws(box):
-    far = replace(box["zhang_sharf"], restitution=0.1)
-    assert advice(replace(box, runs=(far, box["flores"]))) == "within 5 % of e = 0.7 in this impact: flores"
+    far_run = replace(box["zhang_sharf"], restitution=0.1)
+    assert (
+        advice(replace(box, runs=(far_run, box["flores"]))) == "within 5 % of e = 0.7 in this impact: flores"
+    )
 
 
 def test_no_law_is_named_whose_contact_does_not_end():
@@ -45,19 +47,19 @@ def test_no_law_is_named_whose_contact_does_not_end():
 
 def test_the_reach_of_an_impact_that_is_not_free_is_told_over_stiffness():
     """Servos press the tip onto the wall: without losses its rebound has 0.70 of its approach speed."""
-    found = compare(driven(), laws=["zhang_sharf", "lee_wang", "newton_impact"])
-    assert not found.is_free
-    assert [row.stiffness for row in found.reached] == [1e7, 1e8, 1e9]
-    for row in found.reached:
+    comparison = compare(driven(), laws=["zhang_sharf", "lee_wang", "newton_impact"])
+    assert not comparison.is_free
+    assert [row.stiffness for row in comparison.reached] == [1e7, 1e8, 1e9]
+    for row in comparison.reached:
         for law, value in (("hertz", row.lossless), ("zhang_sharf", row.exact)):
             values = {"contact.model": law, "contact.stiffness": row.stiffness}
             first = simulate(driven().with_values(values)).impacts[0]
             assert value == pytest.approx(first["separation_speed"] / first["impact_speed"], rel=1e-12)
-    free = [abs(row.lossless - 1.0) for row in found.reached]
-    assert free == sorted(free, reverse=True)
-    near, reach = advice(found).splitlines()
-    assert near.endswith(": newton_impact, as in any scene; lee_wang, in this scene, not in any")
-    assert "0.15 at K = 1e+07 (0.70 lossless)" in reach
+    deviations = [abs(row.lossless - 1.0) for row in comparison.reached]
+    assert deviations == sorted(deviations, reverse=True)
+    laws_line, reach_line = advice(comparison).splitlines()
+    assert laws_line.endswith(": newton_impact, as in any scene; lee_wang, in this scene, not in any")
+    assert "0.15 at K = 1e+07 (0.70 lossless)" in reach_line
 
 
 def test_a_free_impact_needs_no_other_stiffness(box):
@@ -67,12 +69,12 @@ def test_a_free_impact_needs_no_other_stiffness(box):
 
 
 def test_printed_it_is_a_small_table():
-    found = compare(default_scene(), laws=["flores", "zhang_sharf"])
-    lines = repr(found).splitlines()
+    comparison = compare(default_scene(), laws=["flores", "zhang_sharf"])
+    lines = repr(comparison).splitlines()
     assert lines[0].startswith("FourLinkBox  e = 0.7")
     assert [line.split()[0] for line in lines[1:4]] == ["law", "zhang_sharf", "flores"]
     assert lines[-1].startswith("within 5 % of e = 0.7 in this impact: zhang_sharf, flores; take zhang_sharf")
-    assert len(repr(found["flores"])) < 500
+    assert len(repr(comparison["flores"])) < 500
 
 
 def test_the_unit_of_each_column_suits_its_largest_value():
@@ -88,19 +90,19 @@ def test_without_rebound_rigid_walls_are_what_is_left():
     rigid = comparison["newton_impact"]
     assert (rigid.restitution, rigid.duration, rigid.peak_force) == (0.0, 0.0, 0.0)
     impact = rigid.result.impacts[0]
-    lost = 0.5 * impact["effective_mass"] * impact["impact_speed"] ** 2
-    assert rigid.energy_lost == pytest.approx(lost, rel=1e-9)
+    energy_lost = 0.5 * impact["effective_mass"] * impact["impact_speed"] ** 2
+    assert rigid.energy_lost == pytest.approx(energy_lost, rel=1e-9)
     assert advice(comparison).startswith("within 5 % of e = 0 in this impact: newton_impact")
 
 
 def test_advice_on_a_contact_that_is_pressed_does_not_deny_its_e():
     """The table has e′, so the sentence says why e′ does not lead to a law."""
-    found = compare(driven(), laws=["zhang_sharf", "newton_impact"])
-    run = found["zhang_sharf"]
+    comparison = compare(driven(), laws=["zhang_sharf", "newton_impact"])
+    run = comparison["zhang_sharf"]
     pressed = replace(run, loop=np.array([[0.0, 2.0, 1.0, 2.0, 0.0], np.zeros(5)]))
-    said = advice(replace(found, runs=(pressed, found["newton_impact"])))
-    assert said.startswith(
+    text = advice(replace(comparison, runs=(pressed, comparison["newton_impact"])))
+    assert text.startswith(
         "other forces push on during this contact, so e′ describes them, too, and does not "
     )
-    assert " tell which laws realise e = 0.5\n" in said
-    assert "no restitution" not in said
+    assert " tell which laws realise e = 0.5\n" in text
+    assert "no restitution" not in text

@@ -14,7 +14,7 @@ from chain_impact.studies.fit.scene_file import write_scene
 
 TIMES = np.linspace(0.0, 1.0, 41)
 TORQUE = 2.0 * np.sin(9.0 * TIMES) + 1.0
-FREE = ["link[1].joint_damping", "link[1].inertia"]
+FREE_NAMES = ["link[1].joint_damping", "link[1].inertia"]
 TRUE = [0.2, 0.15]
 
 
@@ -36,30 +36,30 @@ def measured(inputs, interpolation="follow", outputs=("link[1].angle",), **table
     return {"time": result.time, **{name: result[name] for name in outputs}}
 
 
-def assert_found(found):
-    assert found.converged
-    np.testing.assert_allclose([found.values[name] for name in FREE], TRUE, rtol=1e-6)
+def assert_true_values(fit_result):
+    assert fit_result.converged
+    np.testing.assert_allclose([fit_result.values[name] for name in FREE_NAMES], TRUE, rtol=1e-6)
 
 
 @pytest.mark.parametrize("interpolation", ["follow", "hold", "linear"])
 def test_a_torque_in_the_table_acts_on_the_model_as_simulate_lets_it(interpolation):
     signal = {"joint[1].torque": (TIMES, TORQUE)}
     table = measured(signal, interpolation) | {"joint[1].torque": TORQUE}
-    found = fit(arm(), table, FREE, interpolation=interpolation)
-    assert_found(found)
-    assert list(found.columns) == ["link[1].angle"]
-    without = fit(arm(), {name: table[name] for name in ("time", "link[1].angle")}, FREE)
-    assert abs(without.values[FREE[0]] - TRUE[0]) > 0.01
+    fit_result = fit(arm(), table, FREE_NAMES, interpolation=interpolation)
+    assert_true_values(fit_result)
+    assert list(fit_result.columns) == ["link[1].angle"]
+    fit_without_torque = fit(arm(), {name: table[name] for name in ("time", "link[1].angle")}, FREE_NAMES)
+    assert abs(fit_without_torque.values[FREE_NAMES[0]] - TRUE[0]) > 0.01
 
 
 def test_a_base_moves_between_its_measured_positions():
     x = 0.05 * np.sin(7.0 * TIMES)
     table = measured({"base.x": (TIMES, x)}) | {"base.x": x}
-    assert_found(fit(arm(), table, FREE))
-    some = table | {
-        "link[1].angle": [one if k % 3 else np.nan for k, one in enumerate(table["link[1].angle"])]
+    assert_true_values(fit(arm(), table, FREE_NAMES))
+    partial_table = table | {
+        "link[1].angle": [angle if k % 3 else np.nan for k, angle in enumerate(table["link[1].angle"])]
     }
-    assert_found(fit(arm(), some, FREE))
+    assert_true_values(fit(arm(), partial_table, FREE_NAMES))
 
 
 def test_inputs_in_a_table_of_their_own_have_their_own_times():
@@ -67,9 +67,9 @@ def test_inputs_in_a_table_of_their_own_have_their_own_times():
     torque = np.cos(8.0 * times)
     table = measured({"joint[1].torque": (times, torque)}, "linear")
     inputs = {"time": times, "joint[1].torque": torque}
-    assert_found(fit(arm(), [[table, inputs]], FREE, interpolation="linear"))
-    only = fit(arm(), [[inputs, table]], FREE, columns=["link[*].angle"], interpolation="linear")
-    assert_found(only)
+    assert_true_values(fit(arm(), [[table, inputs]], FREE_NAMES, interpolation="linear"))
+    fit_result = fit(arm(), [[inputs, table]], FREE_NAMES, columns=["link[*].angle"], interpolation="linear")
+    assert_true_values(fit_result)
 
 
 def test_times_of_impacts_with_a_torque_tell_the_damping():
@@ -80,48 +80,52 @@ def test_times_of_impacts_with_a_torque_tell_the_damping():
     impacts = {"wall": ["y_min"] * len(result.impacts), "onset": result.impacts["onset"]}
     sigma = {"onset": 1e-6}
     inputs = {"time": TIMES, "joint[1].torque": -TORQUE}
-    found = fit(arm(inertia=TRUE[1], **wall), [[impacts, inputs]], FREE[:1], sigma=sigma)
-    assert found.values[FREE[0]] == pytest.approx(TRUE[0], rel=1e-6)
+    fit_result = fit(arm(inertia=TRUE[1], **wall), [[impacts, inputs]], FREE_NAMES[:1], sigma=sigma)
+    assert fit_result.values[FREE_NAMES[0]] == pytest.approx(TRUE[0], rel=1e-6)
 
 
 @pytest.mark.parametrize(
-    ("table", "free", "told"),
+    ("table", "names", "message"),
     [
         (
             {"joint[1].torque": TORQUE},
             ["joint[1].torque"],
             "Arm: joint[1].torque is free, and is a column of data",
         ),
-        ({"sigma(joint[1].torque)": TORQUE, "joint[1].torque": TORQUE}, FREE, "an input has no standard"),
+        (
+            {"sigma(joint[1].torque)": TORQUE, "joint[1].torque": TORQUE},
+            FREE_NAMES,
+            "an input has no standard",
+        ),
         (
             {"joint[2].torque": TORQUE},
-            FREE,
+            FREE_NAMES,
             "column joint[2].torque is not an output that changes over time, no input",
         ),
         (
             {"joint[1].torque": [*TORQUE[:-1], "high"]},
-            FREE,
+            FREE_NAMES,
             "row 40: joint[1].torque = 'high' must be a finite",
         ),
     ],
 )
-def test_inputs_that_cannot_be_are_refused(table, free, told):
+def test_inputs_that_cannot_be_are_refused(table, names, message):
     with pytest.raises(SceneError) as refused:
-        fit(arm(), measured({}) | table, free)
-    assert told in str(refused.value)
+        fit(arm(), measured({}) | table, names)
+    assert message in str(refused.value)
 
 
 def test_inputs_without_times_are_refused():
     with pytest.raises(
         SceneError, match="column time is missing; it says to which of the inputs the values in"
     ):
-        fit(arm(), [[measured({}), {"joint[1].torque": TORQUE}]], FREE)
+        fit(arm(), [[measured({}), {"joint[1].torque": TORQUE}]], FREE_NAMES)
 
 
 def test_an_input_is_in_one_table_only():
     inputs = {"time": TIMES, "joint[1].torque": TORQUE}
     with pytest.raises(SceneError, match=r"column joint\[1\]\.torque is also in data"):
-        fit(arm(), [[measured({}) | inputs, inputs]], FREE)
+        fit(arm(), [[measured({}) | inputs, inputs]], FREE_NAMES)
 
 
 def test_the_command_line_has_the_interpolation(tmp_path, capsys):
@@ -132,8 +136,8 @@ def test_the_command_line_has_the_interpolation(tmp_path, capsys):
         writer.writerow(table)
         writer.writerows(zip(*table.values(), strict=True))
     files = [str(tmp_path / "arm.toml"), str(tmp_path / "motion.csv")]
-    assert main(["fit", *files, "--free", ",".join(FREE), "--interpolation", "linear", "-q"]) == 0
-    assert main(["fit", *files, "--free", ",".join(FREE), "--interpolation", "linear"]) == 0
-    found = fit(arm(), table, FREE, interpolation="linear")
-    assert repr(found).splitlines()[-3:] == capsys.readouterr().out.splitlines()[-3:]
-    assert scene_to_dict(found.scene)["chain"]["links"][0]["inertia"] == pytest.approx(TRUE[1], rel=1e-6)
+    assert main(["fit", *files, "--free", ",".join(FREE_NAMES), "--interpolation", "linear", "-q"]) == 0
+    assert main(["fit", *files, "--free", ",".join(FREE_NAMES), "--interpolation", "linear"]) == 0
+    fit_result = fit(arm(), table, FREE_NAMES, interpolation="linear")
+    assert repr(fit_result).splitlines()[-3:] == capsys.readouterr().out.splitlines()[-3:]
+    assert scene_to_dict(fit_result.scene)["chain"]["links"][0]["inertia"] == pytest.approx(TRUE[1], rel=1e-6)

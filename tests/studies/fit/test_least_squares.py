@@ -7,7 +7,7 @@ from chain_impact.studies.fit.least_squares import minimize
 from chain_impact.studies.fit.problem import Evaluation
 
 
-def search(function, start, *, low=-np.inf, high=np.inf, sigma=None, most=200):
+def search(function, start, *, low=-np.inf, high=np.inf, sigma=None, most_steps=200):
     """Minimize a function that returns residuals and slopes; return result and evaluated places."""
     calls = []
 
@@ -20,8 +20,10 @@ def search(function, start, *, low=-np.inf, high=np.inf, sigma=None, most=200):
     count = len(function(start)[0])
     bounds = np.broadcast_to(low, start.shape), np.broadcast_to(high, start.shape)
     sigma = np.ones(count) if sigma is None else np.asarray(sigma, float)
-    found = minimize(evaluate, evaluate(start), sigma, bounds=bounds, enough_decrease=1e-12, most_steps=most)
-    return found, calls
+    result = minimize(
+        evaluate, evaluate(start), sigma, bounds=bounds, enough_decrease=1e-12, most_steps=most_steps
+    )
+    return result, calls
 
 
 def rosenbrock(place):
@@ -38,37 +40,37 @@ def line(place):
 
 
 def test_a_straight_line_takes_few_steps():
-    found, _ = search(line, [0.0, 0.0])
-    assert found.converged
-    assert found.steps < 8
-    np.testing.assert_allclose(found.best.coordinates, np.linalg.lstsq(LINE, VALUES)[0], atol=1e-7)
+    result, _ = search(line, [0.0, 0.0])
+    assert result.converged
+    assert result.steps < 8
+    np.testing.assert_allclose(result.best.coordinates, np.linalg.lstsq(LINE, VALUES)[0], atol=1e-7)
 
 
 def test_weights_scale_the_residuals():
     sigma = np.array([1.0, 0.1, 1.0, 10.0])
-    found, _ = search(line, [0.0, 0.0], sigma=sigma)
-    wanted = np.linalg.lstsq(LINE / sigma[:, None], VALUES / sigma)[0]
-    np.testing.assert_allclose(found.best.coordinates, wanted, atol=1e-6)
+    result, _ = search(line, [0.0, 0.0], sigma=sigma)
+    expected = np.linalg.lstsq(LINE / sigma[:, None], VALUES / sigma)[0]
+    np.testing.assert_allclose(result.best.coordinates, expected, atol=1e-6)
 
 
 def test_the_search_finds_the_minimum_of_rosenbrock():
-    found, _ = search(rosenbrock, [-1.2, 1.0], sigma=[1e-6, 1e-6])
-    assert found.converged
-    np.testing.assert_allclose(found.best.coordinates, [1.0, 1.0], atol=1e-6)
+    result, _ = search(rosenbrock, [-1.2, 1.0], sigma=[1e-6, 1e-6])
+    assert result.converged
+    np.testing.assert_allclose(result.best.coordinates, [1.0, 1.0], atol=1e-6)
 
 
 def test_bounds_hold_and_others_move_on():
-    found, calls = search(line, [0.0, 0.0], low=[-1.0, -1.0], high=[3.0, 1.5])
-    assert found.converged
+    result, calls = search(line, [0.0, 0.0], low=[-1.0, -1.0], high=[3.0, 1.5])
+    assert result.converged
     assert all((place >= -1.0).all() and (place <= [3.0, 1.5]).all() for place in calls)
-    assert found.best.coordinates[1] == pytest.approx(1.5)
-    assert found.best.coordinates[0] == pytest.approx((VALUES - 1.5 * LINE[:, 1]).mean())
+    assert result.best.coordinates[1] == pytest.approx(1.5)
+    assert result.best.coordinates[0] == pytest.approx((VALUES - 1.5 * LINE[:, 1]).mean())
 
 
 def test_a_parameter_without_effect_stays():
-    found, _ = search(lambda place: ([place[0] - 2.0], [[1.0, 0.0]]), [0.0, 5.0])
-    assert found.converged
-    assert found.best.coordinates == pytest.approx([2.0, 5.0])
+    result, _ = search(lambda place: ([place[0] - 2.0], [[1.0, 0.0]]), [0.0, 5.0])
+    assert result.converged
+    assert result.best.coordinates == pytest.approx([2.0, 5.0])
 
 
 def test_a_parameter_without_effect_costs_no_steps():
@@ -76,21 +78,21 @@ def test_a_parameter_without_effect_costs_no_steps():
         residuals, slopes = rosenbrock(place[:2])
         return residuals, np.hstack([slopes, np.zeros((2, 1))])
 
-    found, calls = search(valley, [-1.2, 1.0, 7.0], sigma=[1e-6, 1e-6])
-    alone, others = search(rosenbrock, [-1.2, 1.0], sigma=[1e-6, 1e-6])
-    assert found.best.coordinates.tolist() == [*alone.best.coordinates, 7.0]
-    assert len(calls) == len(others)
+    result, calls = search(valley, [-1.2, 1.0, 7.0], sigma=[1e-6, 1e-6])
+    result_alone, calls_alone = search(rosenbrock, [-1.2, 1.0], sigma=[1e-6, 1e-6])
+    assert result.best.coordinates.tolist() == [*result_alone.best.coordinates, 7.0]
+    assert len(calls) == len(calls_alone)
 
 
 def test_rows_that_are_not_there_do_not_count_and_none_may_be_lost():
     def gap(place):
         residuals, slopes = line(place)
-        lost = place[1] > 1.0  # beyond this place an impact is missing
-        return np.append(residuals, np.nan if lost else 0.1), np.vstack([slopes, [[0.0, 0.0]]])
+        is_lost = place[1] > 1.0  # beyond this place an impact is missing
+        return np.append(residuals, np.nan if is_lost else 0.1), np.vstack([slopes, [[0.0, 0.0]]])
 
-    found, calls = search(gap, [0.0, 0.0])
+    result, calls = search(gap, [0.0, 0.0])
     assert any(place[1] > 1.0 for place in calls)
-    assert 0.9 < found.best.coordinates[1] <= 1.0
+    assert 0.9 < result.best.coordinates[1] <= 1.0
 
 
 def test_rows_without_derivatives_are_not_fitted():
@@ -98,15 +100,15 @@ def test_rows_without_derivatives_are_not_fitted():
         residuals, slopes = line(place)
         return np.append(residuals, 1e3), np.vstack([slopes, [[np.nan, np.nan]]])
 
-    found, _ = search(blind, [0.0, 0.0])
-    np.testing.assert_allclose(found.best.coordinates, np.linalg.lstsq(LINE, VALUES)[0], atol=1e-6)
+    result, _ = search(blind, [0.0, 0.0])
+    np.testing.assert_allclose(result.best.coordinates, np.linalg.lstsq(LINE, VALUES)[0], atol=1e-6)
 
 
 def test_a_search_without_parameters_does_not_converge():
-    found, _ = search(lambda place: ([np.nan], [[1.0]]), [0.0])
-    assert not found.converged
-    found, _ = search(rosenbrock, [-1.2, 1.0], most=3)
-    assert (found.converged, found.steps) == (False, 3)
+    result, _ = search(lambda place: ([np.nan], [[1.0]]), [0.0])
+    assert not result.converged
+    result, _ = search(rosenbrock, [-1.2, 1.0], most_steps=3)
+    assert (result.converged, result.steps) == (False, 3)
 
 
 def test_slopes_without_bounds_near_a_bound():
@@ -118,9 +120,9 @@ def test_slopes_without_bounds_near_a_bound():
         return np.sqrt(x) * angles + 1.0 + np.sin(angles), (0.5 / np.sqrt(x) * angles)[:, None]
 
     for start in (0.9, 0.3, 1e-9, 1e-200):
-        found, _ = search(root, [start], low=0.0, high=1.0)
-        assert 0.0 < found.best.coordinates[0] < 1.0
-        assert np.isfinite(found.best.slopes).all()
+        result, _ = search(root, [start], low=0.0, high=1.0)
+        assert 0.0 < result.best.coordinates[0] < 1.0
+        assert np.isfinite(result.best.slopes).all()
 
 
 def test_a_place_whose_slopes_have_no_finite_squares_is_refused():
@@ -128,5 +130,5 @@ def test_a_place_whose_slopes_have_no_finite_squares_is_refused():
         x = float(place[0])
         return [x - 1.0, 0.1], [[1e200 if x > 0.5 else 1.0], [0.0]]
 
-    found, _ = search(steep, [0.0])
-    assert found.best.coordinates[0] <= 0.5
+    result, _ = search(steep, [0.0])
+    assert result.best.coordinates[0] <= 0.5

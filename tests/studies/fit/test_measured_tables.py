@@ -22,19 +22,26 @@ def read(tables, sigma=None, columns=None):
 
 
 def test_samples_with_gaps():
-    found = read(MOTION)
-    assert found.outputs == ("point[4].x", "point[4].y")
-    assert found.times.tolist() == [0.1, 0.2, 0.3]
+    measurements = read(MOTION)
+    assert measurements.outputs == ("point[4].x", "point[4].y")
+    assert measurements.times.tolist() == [0.1, 0.2, 0.3]
     assert list(
-        zip(found.quantity, found.value, found.value_times, found.row, found.column, strict=True)
+        zip(
+            measurements.quantity,
+            measurements.value,
+            measurements.value_times,
+            measurements.row,
+            measurements.column,
+            strict=True,
+        )
     ) == [
         ("point[4].x", 1.0, 0.1, 0, 0),
         ("point[4].y", 4.0, 0.1, 0, 1),
         ("point[4].y", 5.0, 0.2, 1, 1),
         ("point[4].x", 3.0, 0.3, 2, 0),
     ]
-    assert np.isnan(found.sigma).all()
-    assert not found.of_impact.any()
+    assert np.isnan(measurements.sigma).all()
+    assert not measurements.of_impact.any()
 
 
 def test_rows_of_impacts_beside_samples():
@@ -46,21 +53,21 @@ def test_rows_of_impacts_beside_samples():
         "onset": [None, 0.15, None, None],
         "peak_force": [None, 100.0, None, 200.0],
     }
-    found = read(table)
-    assert found.quantity == ("point[4].x", "onset", "peak_force", "point[4].x", "peak_force")
-    assert found.of_impact.tolist() == [False, True, True, False, True]
-    np.testing.assert_array_equal(found.value_times, [0.1, 0.15, 0.15, 0.2, np.nan])
-    second, third = found.impacts
+    measurements = read(table)
+    assert measurements.quantity == ("point[4].x", "onset", "peak_force", "point[4].x", "peak_force")
+    assert measurements.of_impact.tolist() == [False, True, True, False, True]
+    np.testing.assert_array_equal(measurements.value_times, [0.1, 0.15, 0.15, 0.2, np.nan])
+    second, third = measurements.impacts
     assert (second.number, second.wall, second.is_alike) == (2, SCENE.wall_names.index("y_min"), False)
     assert (third.number, third.wall) == (3, None)
-    assert [MEASURED_OF_IMPACT[found.column[k]] for k in (1, 2)] == ["onset", "peak_force"]
+    assert [MEASURED_OF_IMPACT[measurements.column[k]] for k in (1, 2)] == ["onset", "peak_force"]
 
 
 def test_tables_of_one_run():
-    found = read([MOTION, {"time": [0.15], "link[1].angle": [0.5]}])
-    assert found.times.tolist() == [0.1, 0.15, 0.2, 0.3]
-    assert found.value_times[-1] == 0.15
-    assert found.row[-1] == 1
+    measurements = read([MOTION, {"time": [0.15], "link[1].angle": [0.5]}])
+    assert measurements.times.tolist() == [0.1, 0.15, 0.2, 0.3]
+    assert measurements.value_times[-1] == 0.15
+    assert measurements.row[-1] == 1
 
 
 def test_an_impact_is_found_by_its_number_and_place():
@@ -85,15 +92,17 @@ def test_the_table_of_impacts_of_a_result_is_one():
     from chain_impact import simulate
 
     table = simulate(SCENE, stop_time=0.6).impact_table().reset_index()
-    found = read({name: table[name].tolist() for name in table.columns}, columns=["peak_force", "onset"])
-    assert set(found.quantity) == {"peak_force", "onset"}
-    assert len(found.impacts) == len(table) == 2
+    measurements = read(
+        {name: table[name].tolist() for name in table.columns}, columns=["peak_force", "onset"]
+    )
+    assert set(measurements.quantity) == {"peak_force", "onset"}
+    assert len(measurements.impacts) == len(table) == 2
     assert "joint" in table
-    every = read({name: table[name].tolist() for name in table.columns})
-    assert {"impulse", "onset", "end"} <= {*every.quantity}
-    assert {"x", "y"} & {*every.quantity} == set()
-    assert "duration" not in every.quantity  # onset and end determine it
-    assert "joint_force" not in every.quantity  # unknown without loads
+    all_measurements = read({name: table[name].tolist() for name in table.columns})
+    assert {"impulse", "onset", "end"} <= {*all_measurements.quantity}
+    assert {"x", "y"} & {*all_measurements.quantity} == set()
+    assert "duration" not in all_measurements.quantity  # onset and end determine it
+    assert "joint_force" not in all_measurements.quantity  # unknown without loads
 
 
 def test_a_contact_that_ends_late_is_simulated_to_its_measured_end():
@@ -113,14 +122,14 @@ def test_a_contact_that_ends_late_is_simulated_to_its_measured_end():
     data = read_measurements(table, ball, {"onset": 1e-4, "end": 1e-4})
     assert data.value_times.tolist() == [onset, end]
     assert data.end(3.0) > end
-    found = fit(
+    fit_result = fit(
         ball.with_values({"contact.stiffness": 1300.0}),
         table,
         ["contact.stiffness"],
         sigma=dict.fromkeys(table, 1e-4),
     )
-    assert found.values["contact.stiffness"] == pytest.approx(1000.0, rel=1e-6)
-    assert found.used.all()
+    assert fit_result.values["contact.stiffness"] == pytest.approx(1000.0, rel=1e-6)
+    assert fit_result.used.all()
 
 
 def test_a_force_in_a_joint_needs_a_scene_with_loads():
@@ -132,12 +141,12 @@ def test_a_force_in_a_joint_needs_a_scene_with_loads():
 
 def test_standard_deviations_are_columns_percentages_or_numbers():
     table = MOTION | {"sigma(point[4].x)": [0.1, None, None]}
-    found = read(table, {"point[4].x": "10%", "point[4].y": 2e-3})
-    assert found.sigma.tolist() == pytest.approx([0.1, 2e-3, 2e-3, 0.3])
+    measurements = read(table, {"point[4].x": "10%", "point[4].y": 2e-3})
+    assert measurements.sigma.tolist() == pytest.approx([0.1, 2e-3, 2e-3, 0.3])
     assert standard_deviation("x", "2%", -50.0) == 1.0
-    for wrong in ("0", "-1%", "much", "inf", -2.0, "nan", "nan%"):
+    for value in ("0", "-1%", "much", "inf", -2.0, "nan", "nan%"):
         assert "must be a number > 0, or percent of each value: 2%" in refusal(
-            standard_deviation, "x", wrong, 1.0
+            standard_deviation, "x", value, 1.0
         )
     assert refusal(read, {"time": [0.1], "point[4].x": [0.0]}, {"point[4].x": "2%"}) == (
         "data: row 0: sigma(point[4].x) = 0 must be > 0"
@@ -147,31 +156,33 @@ def test_standard_deviations_are_columns_percentages_or_numbers():
 def test_columns_of_measurements_are_chosen_by_pattern():
     table = MOTION | {"speed of the camera": [1, 2, 3]}
     assert read(table, columns=["point[4].*"]).outputs == ("point[4].x", "point[4].y")
-    both = read([table, {"impact": [1], "onset": [0.1]}], columns=["onset", "point[4].y"])
-    assert set(both.quantity) == {"onset", "point[4].y"}
+    measurements = read([table, {"impact": [1], "onset": [0.1]}], columns=["onset", "point[4].y"])
+    assert set(measurements.quantity) == {"onset", "point[4].y"}
     assert refusal(read, table, None, ["camera"]).startswith(
         "data: camera is not a column; there are point[4].x"
     )
 
 
 def test_wrong_measurements_are_refused():
-    def said(**changes):
+    def message_for(**changes):
         return refusal(read, {name: cells for name, cells in (MOTION | changes).items() if cells})
 
-    wrong = said(**{"point[4].z": [1, 2, 3]})
-    assert wrong.startswith(
+    message = message_for(**{"point[4].z": [1, 2, 3]})
+    assert message.startswith(
         "data: column point[4].z is not an output that changes over time, no input, and no quantity of an"
     )
-    assert "; the nearest is point[4]." in wrong
-    assert "impacts have onset, end" in said(camera=[1, 2, 3])
-    assert said(camera=[1, 2, 3]).endswith(": --columns point[4].x,point[4].y")
-    assert said(time=[]).startswith("data: the column time is missing; it says to which of the outputs")
-    assert said(onset=[1, 2, 3]).startswith("data: the column impact or point or wall is missing")
-    assert said(time=[0.1, 0.1, 0.2]) == (
+    assert "; the nearest is point[4]." in message
+    assert "impacts have onset, end" in message_for(camera=[1, 2, 3])
+    assert message_for(camera=[1, 2, 3]).endswith(": --columns point[4].x,point[4].y")
+    assert message_for(time=[]).startswith(
+        "data: the column time is missing; it says to which of the outputs"
+    )
+    assert message_for(onset=[1, 2, 3]).startswith("data: the column impact or point or wall is missing")
+    assert message_for(time=[0.1, 0.1, 0.2]) == (
         "data: row 1: time = 0.1 must be a time >= 0 [s] and > 0.1, the value of the row before"
     )
-    assert said(time=[None, 0.1, 0.2]) == "data: row 0: time = nan must be a time >= 0 [s]"
-    assert said(**{"sigma(point[4].z)": [1, 2, 3]}).endswith("has no column point[4].z beside it")
+    assert message_for(time=[None, 0.1, 0.2]) == "data: row 0: time = nan must be a time >= 0 [s]"
+    assert message_for(**{"sigma(point[4].z)": [1, 2, 3]}).endswith("has no column point[4].z beside it")
     assert refusal(read, [MOTION, MOTION]) == "data: column point[4].x is also in data"
     assert refusal(read, {"time": [0.1], "point[4].x": [None]}) == (
         "data: no value was measured: all cells are empty"
@@ -182,19 +193,19 @@ def test_wrong_measurements_are_refused():
 
 
 def test_a_list_of_impacts_with_times_proposes_the_name_onset():
-    which = {"wall": ["y_min"], "point": [2]}
+    place = {"wall": ["y_min"], "point": [2]}
     for name, table in {
-        "time": which | {"time": [0.5], "peak_force": [100.0]},
-        "Time (s)": which | {"Time (s)": [0.5]},
+        "time": place | {"time": [0.5], "peak_force": [100.0]},
+        "Time (s)": place | {"Time (s)": [0.5]},
         "t": {"t": [0.5], "peak_force": [100.0]},
     }.items():
-        said = refusal(read, table)
-        assert said.endswith(f"; call the column {name} onset, if it has the onsets of impacts in seconds"), (
-            said
-        )
-        assert len(read({"onset" if key == name else key: cells for key, cells in (which | table).items()}))
-    assert refusal(read, which | {"time": [0.5]}).endswith(
-        "; call the column time onset" + said[said.index(", if") :]
+        message = refusal(read, table)
+        assert message.endswith(
+            f"; call the column {name} onset, if it has the onsets of impacts in seconds"
+        ), message
+        assert len(read({"onset" if key == name else key: cells for key, cells in (place | table).items()}))
+    assert refusal(read, place | {"time": [0.5]}).endswith(
+        "; call the column time onset" + message[message.index(", if") :]
     )
     mixed = {"time": [0.1, 0.5], "point[4].x": [1.0, None], "wall": [None, "y_min"], "end": [None, 0.6]}
     assert "row 1: time = 0.5 has no meaning for an impact; call" in refusal(read, mixed)
@@ -203,14 +214,14 @@ def test_a_list_of_impacts_with_times_proposes_the_name_onset():
 
 def test_rows_without_time_and_number_are_the_impacts_in_order():
     """A drop test needs no more than the onsets."""
-    alone = read({"onset": [0.1, 0.2, 0.4]})
-    found = [(row.number, row.point, row.wall) for row in alone.impacts]
-    assert found == [(number, None, None) for number in (1, 2, 3)]
-    assert read({"onset": [0.1, 0.2, 0.4], "impact": [None, None, None]}).impacts == alone.impacts
+    measurements = read({"onset": [0.1, 0.2, 0.4]})
+    places = [(row.number, row.point, row.wall) for row in measurements.impacts]
+    assert places == [(number, None, None) for number in (1, 2, 3)]
+    assert read({"onset": [0.1, 0.2, 0.4], "impact": [None, None, None]}).impacts == measurements.impacts
 
 
 @pytest.mark.parametrize(
-    ("column", "cell", "allowed"),
+    ("column", "cell", "requirement"),
     [
         ("impact", 0, "a whole number >= 1"),
         ("impact", 1.5, "a whole number >= 1"),
@@ -218,28 +229,28 @@ def test_rows_without_time_and_number_are_the_impacts_in_order():
         ("wall", "floor", "a wall of the scene: x_min, x_max, y_min, y_max"),
     ],
 )
-def test_refusals_of_an_impact(column, cell, allowed):
-    said = refusal(read, {column: [cell], "onset": [0.1]})
-    assert said == f"data: row 0: {column} = {cell!r} must be {allowed}"
+def test_refusals_of_an_impact(column, cell, requirement):
+    message = refusal(read, {column: [cell], "onset": [0.1]})
+    assert message == f"data: row 0: {column} = {cell!r} must be {requirement}"
 
 
 def test_impacts_at_stops_are_named_by_joint_and_stop():
     scene = knee_scene()
     table = {"point": [2, 2], "wall": ["joint_min", "x_max"], "onset": [0.4, 1.7]}
-    found = read_measurements(table, scene, {}, None)
-    assert [row.wall for row in found.impacts] == [4, 1]
+    measurements = read_measurements(table, scene, {}, None)
+    assert [row.wall for row in measurements.impacts] == [4, 1]
     message = refusal(read_measurements, table | {"wall": ["joint_min", "y_min"]}, scene, {}, None)
     assert "must be a wall of the scene: x_max, joint_min, joint_max" in message
 
 
 def test_impacts_of_points_of_links_and_at_stops_of_a_slider_are_named():
     table = {"point": ["heel", 4], "wall": ["y_min", "y_min"], "onset": [0.3, 0.4]}
-    found = read_measurements(table, body(), {}, None)
-    assert [row.point for row in found.impacts] == [3, 4]
+    measurements = read_measurements(table, body(), {}, None)
+    assert [row.point for row in measurements.impacts] == [3, 4]
     message = refusal(read_measurements, table | {"point": ["nose", 1]}, body(), {}, None)
     assert "must be one of the points 2, 3, 4, 5, 6, 7, 8, heel, toe" in message
-    found = read_measurements({"wall": ["slider_max"], "onset": [0.3]}, cart(), {}, None)
-    assert found.impacts[0].wall == cart().wall_names.index("slider_max")
+    measurements = read_measurements({"wall": ["slider_max"], "onset": [0.3]}, cart(), {}, None)
+    assert measurements.impacts[0].wall == cart().wall_names.index("slider_max")
 
 
 @pytest.mark.parametrize("name", ["t", "Time", "time [ms]", "t_s"])

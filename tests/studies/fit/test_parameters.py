@@ -12,8 +12,8 @@ from tests.helpers.tools.refusal import refusal
 SCENE = load_scene("four_link_box")
 
 
-def make(free, free_each=(), bounds=None, scenes=(SCENE,)):
-    return parameters_of(scenes, free, free_each, bounds or {})
+def make(names, free_each=(), bounds=None, scenes=(SCENE,)):
+    return parameters_of(scenes, names, free_each, bounds or {})
 
 
 def test_positive_parameters_are_sought_as_logarithms():
@@ -42,8 +42,8 @@ def test_given_bounds_stay_within_the_range_of_the_key():
 
 
 def test_parameters_of_each_data_set():
-    other = SCENE.with_values({"initial.vx": 1.0})
-    shared, first, second = make(["contact.stiffness"], ["initial.vx"], scenes=(SCENE, other))
+    other_scene = SCENE.with_values({"initial.vx": 1.0})
+    shared, first, second = make(["contact.stiffness"], ["initial.vx"], scenes=(SCENE, other_scene))
     assert (shared.data_set, first.data_set, second.data_set) == (None, 0, 1)
     assert (first.start, second.start) == (1.5, 1.0)
     assert second.label == "initial.vx of data set 2"
@@ -62,15 +62,15 @@ def test_the_search_for_a_target_starts_at_the_rest_angle():
     )
     target, torque = make(["joint[1].target_angle", "joint[1].torque"], scenes=(scene,))
     assert (target.start, torque.start) == (0.7, 0.0)
-    held = simulate(scene, 0.1, sensitivities=["joint[1].target_angle"])
-    assert held.sensitivities.parameters == {"joint[1].target_angle": 0.7}
-    driven = simulate(
+    result = simulate(scene, 0.1, sensitivities=["joint[1].target_angle"])
+    assert result.sensitivities.parameters == {"joint[1].target_angle": 0.7}
+    input_result = simulate(
         scene,
         0.1,
         sensitivities=["joint[1].target_angle"],
         inputs={"joint[1].target_angle": [(0.0, 0.1), (1, 2)]},
     )
-    assert driven.sensitivities.parameters == {"joint[1].target_angle": 0.0}
+    assert input_result.sensitivities.parameters == {"joint[1].target_angle": 0.0}
 
 
 def test_wrong_parameters_are_refused():
@@ -85,6 +85,11 @@ def test_wrong_parameters_are_refused():
     assert "bounds of initial.y: the parameter is not free; free is initial.x" in refusal(
         make, ["initial.x"], (), {"initial.y": "0:1"}
     )
-    for text, said in (("1", "must be LOW:HIGH"), ("a:b", "must be LOW:HIGH"), ("nan:1", "must be numbers"),
-                       ("2:1", "must be <"), ("1:2", "where the search starts, must be within")):  # fmt: skip
-        assert said in refusal(make, ["initial.x"], (), {"initial.x": text})
+    for text, message in (
+        ("1", "must be LOW:HIGH"),
+        ("a:b", "must be LOW:HIGH"),
+        ("nan:1", "must be numbers"),
+        ("2:1", "must be <"),
+        ("1:2", "where the search starts, must be within"),
+    ):
+        assert message in refusal(make, ["initial.x"], (), {"initial.x": text})

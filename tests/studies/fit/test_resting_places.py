@@ -33,14 +33,14 @@ def test_friction_is_found_from_places_at_rest(guess):
         assert abs(result["point[0].vx"][-1]) < 1e-8
         places = {name: [result[name][-1] + NOISE * rng.standard_normal()] for name in PLACES}
         measured.append({"time": [3.0]} | places)
-    found = fit(
+    fit_result = fit(
         thrown(guess),
         measured,
         ["contact.friction"],
         set_each={"initial.vx": THROWS},
         sigma=dict.fromkeys(PLACES, NOISE),
     )
-    low, high = found.intervals["contact.friction"]
-    assert found.converged
+    low, high = fit_result.intervals["contact.friction"]
+    assert fit_result.converged
     assert low < TRUE < high
     assert high - low < 1e-2

@@ -39,7 +39,7 @@ def test_unchanged_values_stay_as_they_are_written(name):
 @pytest.mark.parametrize("name", model_names())
 def test_the_text_holds_the_scene(name):
     path, scene = scene_file_path(name), load_scene(name)
-    changed = scene.with_values(
+    changed_scene = scene.with_values(
         {
             "link[1].mass": 1.2345,
             "gravity.y": -9.7,
@@ -47,8 +47,8 @@ def test_the_text_holds_the_scene(name):
             "link[1].joint_damping": 0.1,
         }
     )
-    text = text_with_values(path.read_text(encoding="utf-8"), changed, str(path))
-    assert parse_scene(text, str(path)) == changed
+    text = text_with_values(path.read_text(encoding="utf-8"), changed_scene, str(path))
+    assert parse_scene(text, str(path)) == changed_scene
     assert text.startswith(path.read_text(encoding="utf-8").splitlines()[0])
 
 
@@ -64,10 +64,10 @@ def test_only_values_change_and_comments_keep_their_column():
 
 def test_derived_values_are_not_written():
     """The inertia of a fitted scene follows from the new mass; the file does not give it."""
-    before = TEXT.replace("count = 1\n", "")
-    scene = parse_scene(before, "ball.toml").with_values({"link[1].mass": 0.625})
-    text = text_with_values(before, scene, "ball.toml")
-    assert text == before.replace("mass = 0.5      # kg", "mass = 0.625    # kg")
+    source_text = TEXT.replace("count = 1\n", "")
+    scene = parse_scene(source_text, "ball.toml").with_values({"link[1].mass": 0.625})
+    text = text_with_values(source_text, scene, "ball.toml")
+    assert text == source_text.replace("mass = 0.5      # kg", "mass = 0.625    # kg")
     assert parse_scene(text, "ball.toml") == scene
 
 
@@ -101,8 +101,8 @@ def test_a_law_of_ones_own_is_found_from_another_folder(tmp_path):
     law += '    """A spring."""\n    return stiffness * penetration**exponent\n'
     (tmp_path / "spring.py").write_text(law)
     (tmp_path / "deep").mkdir()
-    own = TEXT.replace("[contact]", '[contact]\nlaw_file = "spring.py"\nmodel = "spring"')
-    (tmp_path / "ball.toml").write_text(own)
+    scene_text = TEXT.replace("[contact]", '[contact]\nlaw_file = "spring.py"\nmodel = "spring"')
+    (tmp_path / "ball.toml").write_text(scene_text)
     scene = load_scene(tmp_path / "ball.toml").with_values({"contact.stiffness": 2e7})
     write_scene(scene, tmp_path / "deep" / "fitted.toml", tmp_path / "ball.toml")
     assert load_scene(tmp_path / "deep" / "fitted.toml").contact.stiffness == 2e7
@@ -114,12 +114,12 @@ def springy(penetration, stiffness):
     return stiffness * penetration
 
 
-@pytest.mark.parametrize("like", [None, "ball.toml"])
-def test_a_law_that_only_the_cache_has_is_written_beside_the_scene(tmp_path, monkeypatch, like):
+@pytest.mark.parametrize("source_name", [None, "ball.toml"])
+def test_a_law_that_only_the_cache_has_is_written_beside_the_scene(tmp_path, monkeypatch, source_name):
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "cache"))
     (tmp_path / "ball.toml").write_text(TEXT)
     scene, file = with_law(load_scene(tmp_path / "ball.toml"), springy), tmp_path / "fitted.toml"
-    write_scene(scene, file, like and tmp_path / like)
+    write_scene(scene, file, source_name and tmp_path / source_name)
     shutil.rmtree(tmp_path / "cache")
     loaded = load_scene(file)
     assert loaded.contact.law_file == str(tmp_path / "springy.py")
@@ -129,13 +129,13 @@ def test_a_law_that_only_the_cache_has_is_written_beside_the_scene(tmp_path, mon
 
 def test_the_file_of_another_law_is_not_replaced(tmp_path, monkeypatch):
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "cache"))
-    scene, taken = with_law(parse_scene(TEXT, "ball.toml"), springy), tmp_path / "springy.py"
+    scene, law_file = with_law(parse_scene(TEXT, "ball.toml"), springy), tmp_path / "springy.py"
     write_scene(scene, tmp_path / "one.toml")
     write_scene(scene, tmp_path / "two.toml")  # the same law file may exist there
-    taken.write_text("mine")
+    law_file.write_text("mine")
     with pytest.raises(SceneError, match=r"springy\.py is another file than that of the contact law springy"):
         write_scene(scene, tmp_path / "three.toml")
-    assert taken.read_text(encoding="utf-8") == "mine"
+    assert law_file.read_text(encoding="utf-8") == "mine"
     assert not (tmp_path / "three.toml").exists()
 
 
@@ -163,9 +163,9 @@ stiffness = 500.0  # N·m/rad^1.5
 def test_stops_and_materials_are_written_where_they_are_or_added():
     scene = parse_scene(STOPPED, "finger.toml")
     changes = {"wall.x_max.restitution": 0.5, "wall.y_max.stiffness": 1e6, "stop.restitution": 0.375}
-    changed = scene.with_values({**changes, "link[1].joint_min": -1.0})
-    text = text_with_values(STOPPED, changed, "finger.toml")
-    assert parse_scene(text, "again") == changed
+    changed_scene = scene.with_values({**changes, "link[1].joint_min": -1.0})
+    text = text_with_values(STOPPED, changed_scene, "finger.toml")
+    assert parse_scene(text, "again") == changed_scene
     assert "# rubber" in text
     assert "restitution = 0.5 " in text
     assert 'joint_max = "90 deg"  # as far as it bends' in text

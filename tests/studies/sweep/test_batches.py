@@ -32,7 +32,7 @@ from chain_impact.study_data.sweep.variation import variations_of
 
 
 @pytest.mark.parametrize(
-    ("done", "left"),
+    ("finished_spans", "expected"),
     [
         ([], [(0, 100)]),
         ([(0, 100)], []),
@@ -40,8 +40,8 @@ from chain_impact.study_data.sweep.variation import variations_of
         ([(90, 100), (20, 30), (20, 30), (25, 40)], [(0, 20), (40, 90)]),
     ],
 )
-def test_missing_runs_are_those_between_finished_ones(done, left):
-    assert missing_spans(done, 100) == left
+def test_missing_runs_are_those_between_finished_ones(finished_spans, expected):
+    assert missing_spans(finished_spans, 100) == expected
 
 
 def taken(batches, seconds_a_run):
@@ -53,8 +53,8 @@ def taken(batches, seconds_a_run):
 @pytest.mark.parametrize("seconds_a_run", [0.0, 1e-5, 1e-3, 10.0])
 def test_batches_cover_the_spans(seconds_a_run):
     spans = [(3, 10), (20, 20_000)]
-    found = list(taken(Batches(spans, 2), seconds_a_run))
-    runs = [run for first, end in found for run in range(first, end)]
+    batches = list(taken(Batches(spans, 2), seconds_a_run))
+    runs = [run for first, end in batches for run in range(first, end)]
     assert runs == [run for first, end in spans for run in range(first, end)]
 
 
@@ -94,12 +94,12 @@ def test_the_kernel_pauses_within_a_second():
     job, design = parts({"contact.restitution": "0.3:0.7:15000"})
     runner, calls = Runner(job), []
 
-    def wanted():
+    def goes_on():
         calls.append(1)
         return len(calls) < 2
 
     with pytest.raises(CancelledError):
-        runner.run(design.values(0, 15000), wanted)
+        runner.run(design.values(0, 15000), goes_on)
     assert len(calls) == 2
 
 
@@ -111,19 +111,19 @@ def test_a_kernel_for_the_sizes_of_a_scene_gives_the_same_bits():
     assert Runner(job, own_kernel=True).run(values).tobytes() == Runner(job).run(values).tobytes()
 
 
-@pytest.mark.parametrize(("runs", "own"), [(9, False), (10, True)])
-def test_a_sweep_of_many_runs_asks_for_a_kernel_of_its_own(monkeypatch, runs, own):
-    asked = []
+@pytest.mark.parametrize(("runs", "has_own"), [(9, False), (10, True)])
+def test_a_sweep_of_many_runs_asks_for_a_kernel_of_its_own(monkeypatch, runs, has_own):
+    scopes = []
 
     def kernel_for(scene, *, derivatives, scope):
-        asked.append(scope)
+        scopes.append(scope)
         return kernels.kernel_for(scene, derivatives=derivatives)
 
     monkeypatch.setattr("chain_impact.studies.sweep.job.kernel_for", kernel_for)
     monkeypatch.setattr("chain_impact.studies.sweep.sweep.OWN_KERNEL_FROM", 10)
     monkeypatch.setattr("chain_impact.studies.sweep.sweep.missing_compilers", list)
     sweep(SCENE, {"contact.restitution": f"0.3:0.7:{runs}"})
-    assert asked[0] == ((4, 20, 0, 0, 0, 0, 0, 0, 0, 0) if own else None)
+    assert scopes[0] == ((4, 20, 0, 0, 0, 0, 0, 0, 0, 0) if has_own else None)
 
 
 def test_a_sweep_goes_on_with_a_general_kernel_where_a_compiler_fails(monkeypatch, caplog):
@@ -135,20 +135,20 @@ def test_a_sweep_goes_on_with_a_general_kernel_where_a_compiler_fails(monkeypatc
     monkeypatch.setattr("chain_impact.studies.sweep.job.kernel_for", kernel_for)
     monkeypatch.setattr("chain_impact.studies.sweep.sweep.OWN_KERNEL_FROM", 10)
     monkeypatch.setattr("chain_impact.studies.sweep.sweep.missing_compilers", list)
-    found = sweep(SCENE, {"contact.restitution": "0.3:0.7:40"}, threads=2)
-    assert (found["solver.status"] == OK).all()
-    (told,) = [record.getMessage() for record in caplog.records if record.levelname == "WARNING"]
-    assert "zig said no" in told
-    assert SCENE.name in told
+    runs = sweep(SCENE, {"contact.restitution": "0.3:0.7:40"}, threads=2)
+    assert (runs["solver.status"] == OK).all()
+    (warning,) = [record.getMessage() for record in caplog.records if record.levelname == "WARNING"]
+    assert "zig said no" in warning
+    assert SCENE.name in warning
 
 
 def test_a_caller_that_stops_listening_gets_all_threads_back():
-    before = threading.active_count()
+    thread_count = threading.active_count()
     batches = run_in_threads(Computation(*parts({"contact.restitution": "0.3:0.7:100000"})), [(0, 100000)], 2)
     _, rows = next(batches)
     assert rows["solver.steps"].all()
     batches.close()
-    assert threading.active_count() == before
+    assert threading.active_count() == thread_count
 
 
 def test_an_error_in_a_thread_is_raised_here(monkeypatch):
@@ -170,13 +170,13 @@ def test_threads_are_checked(threads):
 
 def test_whole_numbers_of_numpy_are_those_of_python():
     vary = {"contact.restitution": "0.3:0.7"}
-    one = sweep(SCENE, vary, samples=4, seed=1, threads=2)
-    other = sweep(SCENE, vary, samples=np.int64(4), seed=np.int8(1), threads=np.int64(2))
-    assert other.to_dataframe().equals(one.to_dataframe())
+    runs = sweep(SCENE, vary, samples=4, seed=1, threads=2)
+    numpy_runs = sweep(SCENE, vary, samples=np.int64(4), seed=np.int8(1), threads=np.int64(2))
+    assert numpy_runs.to_dataframe().equals(runs.to_dataframe())
 
 
 def test_progress_ends_at_one():
-    told = []
-    sweep(SCENE, {"contact.restitution": "0.3:0.7:100"}, progress=told.append)
-    assert told[-1] == 1.0
-    assert (np.diff(told) > 0.0).all()
+    fractions = []
+    sweep(SCENE, {"contact.restitution": "0.3:0.7:100"}, progress=fractions.append)
+    assert fractions[-1] == 1.0
+    assert (np.diff(fractions) > 0.0).all()

@@ -30,7 +30,7 @@ class Cluster:
     def __init__(self, folder):
         self.folder, self.processes = folder, []
         log = self.start("scheduler", "--port", "0", "--no-dashboard")
-        self.address = self.said(log, r"(tcp://127\.0\.0\.1:\d+)")
+        self.address = self.wait_for(log, r"(tcp://127\.0\.0\.1:\d+)")
 
     def start(self, kind, *arguments, **environment):
         log = self.folder / f"{kind}-{len(self.processes)}.log"
@@ -46,15 +46,15 @@ class Cluster:
     def worker(self, **environment):
         options = ("--nthreads", "1", "--no-dashboard", "--no-nanny", "--local-directory", str(self.folder))
         log = self.start("worker", self.address, *options, **environment)
-        self.said(log, r"(Registered to)")
+        self.wait_for(log, r"(Registered to)")
         return self.processes[-1]
 
-    def said(self, log, pattern):
-        until = time.monotonic() + 600.0
-        while not (found := re.search(pattern, log.read_text(encoding="utf-8"))):
-            assert time.monotonic() < until, log.read_text(encoding="utf-8")
+    def wait_for(self, log, pattern):
+        deadline = time.monotonic() + 600.0
+        while not (match := re.search(pattern, log.read_text(encoding="utf-8"))):
+            assert time.monotonic() < deadline, log.read_text(encoding="utf-8")
             time.sleep(0.05)
-        return found[1]
+        return match[1]
 
     def end(self):
         for process in reversed(self.processes):
@@ -72,12 +72,12 @@ def scheduler(tmp_path):
 def test_a_sweep_on_a_cluster_has_the_rows_of_a_local_one(scheduler, tmp_path):
     scheduler.worker()
     scheduler.worker()
-    told = []
+    fractions = []
     path = tmp_path / "out.csv"
-    found = sweep(SCENE, VARY, scheduler=scheduler.address, path=path, progress=told.append)
-    assert found.rows.tobytes() == sweep(SCENE, VARY).rows.tobytes()
-    assert told[-1] == 1.0
-    assert len(told) > 4
+    runs = sweep(SCENE, VARY, scheduler=scheduler.address, path=path, progress=fractions.append)
+    assert runs.rows.tobytes() == sweep(SCENE, VARY).rows.tobytes()
+    assert fractions[-1] == 1.0
+    assert len(fractions) > 4
     assert path.read_text(encoding="utf-8").count("\n") == 1001
 
 
@@ -90,8 +90,8 @@ def test_a_lost_worker_is_replaced_by_the_others(scheduler):
         if part > 0.2:
             doomed.kill()
 
-    found = sweep(SCENE, vary, scheduler=scheduler.address, progress=progress)
-    assert found.rows.tobytes() == sweep(SCENE, vary).rows.tobytes()
+    runs = sweep(SCENE, vary, scheduler=scheduler.address, progress=progress)
+    assert runs.rows.tobytes() == sweep(SCENE, vary).rows.tobytes()
     assert doomed.poll() is not None
 
 
@@ -150,11 +150,13 @@ def test_a_client_that_could_not_connect_is_closed(address, monkeypatch):
     monkeypatch.setattr(cluster, "CONNECT", 0.5)
     from distributed import Client
 
-    made, real = [], Client.__init__
-    monkeypatch.setattr(Client, "__init__", lambda self, *a, **k: (made.append(self), real(self, *a, **k))[1])
+    clients, initialize = [], Client.__init__
+    monkeypatch.setattr(
+        Client, "__init__", lambda self, *a, **k: (clients.append(self), initialize(self, *a, **k))[1]
+    )
     with pytest.raises(SceneError, match="no dask scheduler answers there"):
         sweep(SCENE, VARY, scheduler=address)
-    assert [client.status for client in made] == ["closed"]
+    assert [client.status for client in clients] == ["closed"]
 
 
 def test_without_distributed_the_extra_is_named(monkeypatch):

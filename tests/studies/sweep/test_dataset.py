@@ -45,40 +45,44 @@ def stopped(folder, at=0.3):
 
 
 @pytest.fixture(scope="module")
-def whole():
+def all_runs():
     return sweep(SCENE, VARY)
 
 
 @pytest.mark.parametrize("name", ["runs", "runs.d/"])
 def test_the_rows_are_those_in_the_memory(name, tmp_path):
-    found, here = (sweep(SCENE, VARY, outputs=OUTPUTS, path=path) for path in (f"{tmp_path}/{name}", None))
+    stored_runs, runs = (
+        sweep(SCENE, VARY, outputs=OUTPUTS, path=path) for path in (f"{tmp_path}/{name}", None)
+    )
     assert [path.name for path in tmp_path.iterdir()] == [name.strip("/")]
-    assert repr(found) == repr(here)
-    assert "400 restitution_not_allowed" not in repr(here)
-    assert "restitution_not_allowed" in repr(here)
-    assert len(found) == 800
-    assert found.names == here.names
-    assert repr(found.table.tolist()[5]) == repr(here.table.tolist()[5])
-    assert (found.failed == here.failed).all()
-    assert found.to_dataframe().equals(here.to_dataframe())
-    found.save(tmp_path / "from_folder.csv")
-    here.save(tmp_path / "from_memory.csv")
+    assert repr(stored_runs) == repr(runs)
+    assert "400 restitution_not_allowed" not in repr(runs)
+    assert "restitution_not_allowed" in repr(runs)
+    assert len(stored_runs) == 800
+    assert stored_runs.names == runs.names
+    assert repr(stored_runs.table.tolist()[5]) == repr(runs.table.tolist()[5])
+    assert (stored_runs.failed == runs.failed).all()
+    assert stored_runs.to_dataframe().equals(runs.to_dataframe())
+    stored_runs.save(tmp_path / "from_folder.csv")
+    runs.save(tmp_path / "from_memory.csv")
     assert (tmp_path / "from_folder.csv").read_bytes() == (tmp_path / "from_memory.csv").read_bytes()
 
 
 def test_a_notebook_shows_as_many_runs_of_a_folder_with_short_files(tmp_path):
     values = {"contact.restitution": np.linspace(0.1, 0.7, 12)}
-    found, here = (sweep("rod_drop", values, path=path, threads=2) for path in (tmp_path / "runs", None))
-    assert len(next(iter(found.chunks(["status"])))["status"]) < 10
-    assert found._repr_html_() == here._repr_html_()
+    stored_runs, runs = (
+        sweep("rod_drop", values, path=path, threads=2) for path in (tmp_path / "runs", None)
+    )
+    assert len(next(iter(stored_runs.chunks(["status"])))["status"]) < 10
+    assert stored_runs._repr_html_() == runs._repr_html_()
 
 
-def test_other_programs_read_the_folder_in_the_order_of_the_runs(tmp_path, whole):
+def test_other_programs_read_the_folder_in_the_order_of_the_runs(tmp_path, all_runs):
     import pandas as pd
     from pyarrow import dataset, parquet
 
     sweep(SCENE, VARY, path=tmp_path / "runs")
-    frame = whole.to_dataframe()
+    frame = all_runs.to_dataframe()
     assert len(list((tmp_path / "runs").glob("*.parquet"))) > 2
     assert pd.read_parquet(tmp_path / "runs").equals(frame)
     assert parquet.read_table(tmp_path / "runs").to_pandas().equals(frame)
@@ -87,51 +91,51 @@ def test_other_programs_read_the_folder_in_the_order_of_the_runs(tmp_path, whole
     assert best["peak_force"].max() == frame["peak_force"].max()
 
 
-def test_the_manifest_says_which_runs_are_in_which_file(tmp_path, whole):
+def test_the_manifest_says_which_runs_are_in_which_file(tmp_path, all_runs):
     from pyarrow import parquet
 
     folder = tmp_path / "runs"
     sweep(SCENE, VARY, path=folder)
     manifest = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
-    assert manifest["columns"] == list(whole.names)
+    assert manifest["columns"] == list(all_runs.names)
     assert manifest["runs"] == 800
     spans = sorted(manifest["files"].values())
     assert [first for first, _ in spans] == [0, *(end for _, end in spans[:-1])]
     assert spans[-1][1] == 800
     for name, (first, end) in manifest["files"].items():
         np.testing.assert_array_equal(
-            parquet.read_table(folder / name)["peak_force"].to_numpy(), whole["peak_force"][first:end]
+            parquet.read_table(folder / name)["peak_force"].to_numpy(), all_runs["peak_force"][first:end]
         )
     assert {path.name for path in folder.iterdir()} == {MANIFEST, *manifest["files"]}
 
 
-def test_finished_runs_are_not_run_again(tmp_path, whole, monkeypatch):
-    folder, spans, real = tmp_path / "runs", [], module.run_in_threads
+def test_finished_runs_are_not_run_again(tmp_path, all_runs, monkeypatch):
+    folder, spans, run_in_threads = tmp_path / "runs", [], module.run_in_threads
     stopped(folder)
     files = {path: path.stat().st_mtime_ns for path in folder.glob("*.parquet")}
-    done = max(
+    finished_count = max(
         end for _, end in json.loads((folder / MANIFEST).read_text(encoding="utf-8"))["files"].values()
     )
-    assert 0 < done < 800
+    assert 0 < finished_count < 800
 
-    def spy(work, asked, threads):
-        spans.append(asked)
-        return real(work, asked, threads)
+    def spy(work, missing_spans, threads):
+        spans.append(missing_spans)
+        return run_in_threads(work, missing_spans, threads)
 
     monkeypatch.setattr(module, "run_in_threads", spy)
-    assert sweep(SCENE, VARY, path=folder).to_dataframe().equals(whole.to_dataframe())
+    assert sweep(SCENE, VARY, path=folder).to_dataframe().equals(all_runs.to_dataframe())
     assert {path: path.stat().st_mtime_ns for path in files} == files
     monkeypatch.setattr(computation, "Runner", None)  # no kernel, scheduler or file is needed either
     monkeypatch.setattr(FileLock, "acquire", None)
-    before = {path: path.stat().st_mtime_ns for path in folder.iterdir()}
-    again = sweep(SCENE, VARY, path=folder, scheduler="tcp://127.0.0.1:9")
-    assert again.to_dataframe().equals(whole.to_dataframe())
-    assert {path: path.stat().st_mtime_ns for path in folder.iterdir()} == before
-    assert spans == [[(done, 800)], []]
+    times = {path: path.stat().st_mtime_ns for path in folder.iterdir()}
+    repeated = sweep(SCENE, VARY, path=folder, scheduler="tcp://127.0.0.1:9")
+    assert repeated.to_dataframe().equals(all_runs.to_dataframe())
+    assert {path: path.stat().st_mtime_ns for path in folder.iterdir()} == times
+    assert spans == [[(finished_count, 800)], []]
 
 
 @pytest.mark.parametrize("harm", ["cut", "gone", "not listed", "not complete"])
-def test_a_damaged_file_is_made_again(tmp_path, whole, harm, caplog):
+def test_a_damaged_file_is_made_again(tmp_path, all_runs, harm, caplog):
     folder = tmp_path / "runs"
     stopped(folder)
     file = max(folder.glob("*.parquet"))
@@ -143,22 +147,22 @@ def test_a_damaged_file_is_made_again(tmp_path, whole, harm, caplog):
         (folder / "runs-000000000000790.parquet").write_bytes(file.read_bytes())
     else:
         (folder / f".{file.name}-1").write_bytes(b"half")
-    assert sweep(SCENE, VARY, path=folder).to_dataframe().equals(whole.to_dataframe())
+    assert sweep(SCENE, VARY, path=folder).to_dataframe().equals(all_runs.to_dataframe())
     assert (f"{file} is damaged, its runs are made anew (" in caplog.text) is (harm == "cut")
     assert not list(folder.glob(".*"))
 
 
-def test_bytes_that_have_changed_are_said_when_they_are_read(tmp_path, whole):
+def test_bytes_that_have_changed_are_said_when_they_are_read(tmp_path, all_runs):
     folder = tmp_path / "runs"
-    found = sweep(SCENE, VARY, path=folder)
+    runs = sweep(SCENE, VARY, path=folder)
     file = max(folder.glob("*.parquet"), key=lambda path: path.stat().st_size)
     content = bytearray(file.read_bytes())
     content[len(content) // 4] ^= 1
     file.write_bytes(content)
     with pytest.raises(SceneError, match=rf"{file} is damaged: remove it, and the same sweep makes its runs"):
-        found.table  # noqa: B018
+        runs.table  # noqa: B018
     file.unlink()
-    assert sweep(SCENE, VARY, path=folder).to_dataframe().equals(whole.to_dataframe())
+    assert sweep(SCENE, VARY, path=folder).to_dataframe().equals(all_runs.to_dataframe())
 
 
 @pytest.mark.parametrize(
@@ -174,10 +178,10 @@ def test_bytes_that_have_changed_are_said_when_they_are_read(tmp_path, whole):
 def test_another_sweep_is_refused(tmp_path, changes, words):
     folder = tmp_path / "runs"
     stopped(folder)
-    before = {file: file.read_bytes() for file in folder.iterdir()}
+    contents = {file: file.read_bytes() for file in folder.iterdir()}
     with pytest.raises(SceneError, match=f"runs was left by a sweep that {words}: remove the folder"):
         sweep(**{"scene": SCENE, "vary": VARY, "path": folder, **changes})
-    assert {file: file.read_bytes() for file in folder.iterdir()} == before
+    assert {file: file.read_bytes() for file in folder.iterdir()} == contents
 
 
 def test_samples_of_another_seed_are_refused(tmp_path):
@@ -190,13 +194,13 @@ def test_samples_of_another_seed_are_refused(tmp_path):
 
 
 def test_a_folder_of_other_files_and_a_file_in_its_place_are_refused(tmp_path):
-    other = tmp_path / "other"
-    other.mkdir()
-    (other / "mine.parquet").write_bytes(b"mine")
+    folder = tmp_path / "other"
+    folder.mkdir()
+    (folder / "mine.parquet").write_bytes(b"mine")
     with pytest.raises(SceneError, match="other has files, but no manifest of a sweep: choose another name"):
-        sweep(SCENE, VARY, path=other)
+        sweep(SCENE, VARY, path=folder)
     with pytest.raises(SceneError, match="mine must be a folder: remove the file, or choose another name"):
-        sweep(SCENE, VARY, path=f"{(other / 'mine.parquet').rename(other / 'mine')}/")
+        sweep(SCENE, VARY, path=f"{(folder / 'mine.parquet').rename(folder / 'mine')}/")
 
 
 @pytest.mark.parametrize("content", [b"\xffmine\n", b"[1]", b"{}"])
@@ -230,13 +234,13 @@ def test_a_sweep_that_fails_at_once_leaves_no_files(tmp_path, monkeypatch):
 
 
 def test_a_file_that_was_made_and_not_listed_goes_when_the_sweep_fails(tmp_path, monkeypatch):
-    real = module.run_in_threads
+    run_in_threads = module.run_in_threads
 
-    done = []  # the threads decide which batch is finished first
+    batches = []  # the threads decide which batch is finished first
 
     def full(work, *arguments):
-        done.append(next(real(work, *arguments)))
-        yield done[0]
+        batches.append(next(run_in_threads(work, *arguments)))
+        yield batches[0]
         (work.folder / ".runs-000000000000009.parquet-1").write_bytes(b"of another thread")
         raise OSError("disk full")
 
@@ -245,7 +249,7 @@ def test_a_file_that_was_made_and_not_listed_goes_when_the_sweep_fails(tmp_path,
         sweep(SCENE, VARY, path=tmp_path / "runs", threads=1)
     assert [path.name for path in sorted((tmp_path / "runs").iterdir())] == [
         MANIFEST,
-        file_name(done[0][0]),
+        file_name(batches[0][0]),
     ]
 
 
@@ -273,20 +277,20 @@ def test_two_sweeps_do_not_write_one_folder(tmp_path):
 
 
 @pytest.mark.parametrize("room", [10, 14_000])
-def test_a_full_disk_is_said_with_the_folder_and_what_is_whole_is_kept(tmp_path, whole, room):
+def test_a_full_disk_is_said_with_the_folder_and_what_is_whole_is_kept(tmp_path, all_runs, room):
     """The operating system limits the size of a file."""
     resource = pytest.importorskip("resource", reason="Windows has no such limit")
-    folder, before = tmp_path / "runs", resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (room, before[1]))
+    folder, limits = tmp_path / "runs", resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (room, limits[1]))
     try:
         with pytest.raises(OSError, match=r"File too large|\[errno 27\]") as caught:
             sweep(SCENE, VARY, path=folder, threads=1)
     finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
     assert str(caught.value.filename).startswith(str(folder))
     assert folder.exists() is (room > 10)
     assert not list(folder.glob(".*"))
-    assert sweep(SCENE, VARY, path=folder).to_dataframe().equals(whole.to_dataframe())
+    assert sweep(SCENE, VARY, path=folder).to_dataframe().equals(all_runs.to_dataframe())
 
 
 def test_without_pyarrow_the_extra_is_named_before_any_run(tmp_path, monkeypatch):
@@ -299,14 +303,14 @@ def test_without_pyarrow_the_extra_is_named_before_any_run(tmp_path, monkeypatch
 @pytest.mark.parametrize("sampling", ["grid", "lhs", "sobol"])
 def test_the_values_of_a_billion_runs_take_no_memory(sampling):
     names = ("contact.restitution", "initial.x", "initial.y")
-    import_module("scipy.stats.qmc")  # which takes more
+    import_module("scipy.stats.qmc")  # the import takes more memory than the limit below
     tracemalloc.start()
     try:
         if sampling == "grid":
             design = grid_design(variations_of(SCENE, dict.fromkeys(names, "0.1:0.9:1000")), "s")
         else:
-            varied = variations_of(SCENE, dict.fromkeys(names, "0.1:0.9"))
-            design = sampled_design(varied, "s", count=10**9, sampling=sampling, seed=0)
+            variations = variations_of(SCENE, dict.fromkeys(names, "0.1:0.9"))
+            design = sampled_design(variations, "s", count=10**9, sampling=sampling, seed=0)
         assert design.runs == 10**9
         firsts = (0, 1, 10**6, 2 * 10**6)
         blocks = [design.values(first, first + CHUNK) for first in firsts]
@@ -314,15 +318,15 @@ def test_the_values_of_a_billion_runs_take_no_memory(sampling):
     finally:
         tracemalloc.stop()
     assert (blocks[0][1:] == blocks[1][:-1]).all()
-    for one, other in itertools.combinations(blocks[1:], 2):
-        assert (one != other).any()
+    for block, other_block in itertools.combinations(blocks[1:], 2):
+        assert (block != other_block).any()
     assert np.ptp(np.concatenate(blocks)) > 0.7
 
 
-def test_a_picture_of_a_folder_is_that_of_the_memory(tmp_path, whole):
-    found = sweep(SCENE, VARY, path=tmp_path / "runs")
-    found.plot(tmp_path / "folder.png")
-    whole.plot(tmp_path / "memory.png")
+def test_a_picture_of_a_folder_is_that_of_the_memory(tmp_path, all_runs):
+    runs = sweep(SCENE, VARY, path=tmp_path / "runs")
+    runs.plot(tmp_path / "folder.png")
+    all_runs.plot(tmp_path / "memory.png")
     assert (tmp_path / "folder.png").read_bytes() == (tmp_path / "memory.png").read_bytes()
 
 
@@ -332,11 +336,11 @@ def test_foreign_files_stay_and_those_of_a_killed_sweep_go(tmp_path):
     (folder / f".{MANIFEST}-killed").mkdir(parents=True)
     first = sweep(SCENE, vary, path=folder)
     (folder / "runs-mean.parquet").write_bytes(b"mine")
-    again = sweep(SCENE, vary, path=folder)
+    repeated = sweep(SCENE, vary, path=folder)
     names = {file.name for file in folder.iterdir()}
     assert "runs-mean.parquet" in names
     assert not any("killed" in name for name in names)
-    assert again["peak_force"].tolist() == first["peak_force"].tolist()
+    assert repeated["peak_force"].tolist() == first["peak_force"].tolist()
 
 
 def test_a_folder_has_one_lock_whatever_it_is_called(tmp_path):

@@ -47,25 +47,25 @@ def test_a_process_that_is_killed_goes_on_after_the_last_complete_file(tmp_path)
     assert len(listed) >= 2
     times = {name: (tmp_path / "runs" / name).stat().st_mtime_ns for name in listed}
     command = [sys.executable, "-m", "chain_impact.cli", *arguments]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
-    assert "table    runs/\nFourLinkBox  100000 runs: 100000 ok" in done.stdout
-    assert "100000 runs are kept in runs, " in done.stderr
+    process = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert "table    runs/\nFourLinkBox  100000 runs: 100000 ok" in process.stdout
+    assert "100000 runs are kept in runs, " in process.stderr
     assert {name: (tmp_path / "runs" / name).stat().st_mtime_ns for name in listed} == times
     assert not list((tmp_path / "runs").glob(".*"))
 
 
 def test_ctrl_c_says_where_what_is_done_is_kept(tmp_path, monkeypatch, capsys):
-    real = module.run_in_threads
+    run_in_threads = module.run_in_threads
 
     def interrupted(*arguments):
-        yield next(real(*arguments))
+        yield next(run_in_threads(*arguments))
         raise KeyboardInterrupt
 
     monkeypatch.setattr(module, "run_in_threads", interrupted)
     command = ["sweep", "--vary", "contact.restitution=0.3:0.7:50", "-o", f"{tmp_path / 'runs'}/"]
     assert cli.main(command) == 130
-    said = capsys.readouterr().err
-    assert f"{tmp_path / 'runs'} has the finished runs" in said
+    message = capsys.readouterr().err
+    assert f"{tmp_path / 'runs'} has the finished runs" in message
     monkeypatch.undo()
     assert cli.main(command) == 0
     assert "FourLinkBox  50 runs: 50 ok" in capsys.readouterr().out
@@ -86,10 +86,10 @@ def interrupted(request, tmp_path, monkeypatch, capsys):
 
 def interrupt(command, monkeypatch):
     """Interrupt a command after two batches of runs."""
-    real = module.run_in_threads
+    original_run = module.run_in_threads
 
     def run_in_threads(*arguments):
-        yield from islice(real(*arguments), 2)
+        yield from islice(original_run(*arguments), 2)
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patched:
@@ -105,42 +105,46 @@ def rows_of(table):
 
 def test_ctrl_c_keeps_the_rows_that_are_done_and_the_same_command_goes_on(interrupted, monkeypatch):
     command, table = interrupted
-    kept = rows_of(table)
-    assert 0 < len(kept) < 50
-    made, real = [], module.run_in_threads
+    kept_rows = rows_of(table)
+    assert 0 < len(kept_rows) < 50
+    new_spans, original_run = [], module.run_in_threads
     monkeypatch.setattr(
-        module, "run_in_threads", lambda work, spans, n: made.extend(spans) or real(work, spans, n)
+        module,
+        "run_in_threads",
+        lambda work, spans, n: new_spans.extend(spans) or original_run(work, spans, n),
     )
     assert cli.main(command) == 0
-    assert sum(end - first for first, end in made) == 50 - len(kept)
+    assert sum(end - first for first, end in new_spans) == 50 - len(kept_rows)
     assert [path.name for path in table.parent.iterdir()] == [table.name]
-    whole = rows_of(table)
-    assert all(row in whole for row in kept)
+    all_rows = rows_of(table)
+    assert all(row in all_rows for row in kept_rows)
     assert cli.main([*command[:-1], str(table.with_stem("other"))]) == 0
-    assert whole == rows_of(table.with_stem("other"))
+    assert all_rows == rows_of(table.with_stem("other"))
 
 
 def test_a_repeated_sweep_that_is_interrupted_leaves_the_complete_table(tmp_path, monkeypatch, capsys):
     table = tmp_path / "runs.csv"
     command = ["sweep", "--vary", "contact.restitution=0.3:0.7:80", "-o", str(table)]
     assert cli.main(command) == 0
-    whole = rows_of(table)
+    all_rows = rows_of(table)
     for _ in range(2):
         interrupt(command, monkeypatch)
         assert f"{table}.partial has the finished runs" in capsys.readouterr().err
-        assert rows_of(table) == whole
+        assert rows_of(table) == all_rows
     assert cli.main(command) == 0
-    assert rows_of(table) == whole
+    assert rows_of(table) == all_rows
     assert [path.name for path in tmp_path.iterdir()] == [table.name]
 
 
 def test_a_sweep_ignores_rows_left_by_another_sweep(interrupted, capsys):
     command, table = interrupted
-    kept = rows_of(table)
+    kept_rows = rows_of(table)
     assert cli.main([*command, "--set", "contact.stiffness=1e7"]) == 2
-    said = f"{table}.partial was left by a sweep that differs in its scene: remove it, or choose another name"
-    assert said in capsys.readouterr().err
-    assert rows_of(table) == kept
+    message = (
+        f"{table}.partial was left by a sweep that differs in its scene: remove it, or choose another name"
+    )
+    assert message in capsys.readouterr().err
+    assert rows_of(table) == kept_rows
     table.with_name(f"{table.name}.partial").write_bytes(b"PK")
     assert cli.main(command) == 2
     assert "does not come from an interrupted sweep" in capsys.readouterr().err

@@ -32,11 +32,11 @@ def short(model="four_link_box", stop=0.6, tolerance=1e-6):
     )
 
 
-def check(scene, row, varied, outputs=()):
+def check(scene, row, names, outputs=()):
     """Compare a row of a sweep with `simulate()`, and return the status."""
     fault = None
     try:
-        result = simulate(with_settings(scene, {name: repr(row[name].item()).strip("'") for name in varied}))
+        result = simulate(with_settings(scene, {name: repr(row[name].item()).strip("'") for name in names}))
     except SceneError:  # refused before the start
         assert row["status"] in ("restitution_not_allowed", "exponent_not_allowed", "starts_inside_wall")
         assert row["time"] == row["impact.count"] == row["solver.steps"] == 0
@@ -60,13 +60,13 @@ def check(scene, row, varied, outputs=()):
         for name, column in zip(FORCES, columns, strict=True):
             if column not in row.dtype.names:
                 continue
-            largest = max(result.impacts[name][rows], default=0.0)
-            unknown = fault or (law == "newton_impact" and name == "peak_force" and rows.any())
-            np.testing.assert_equal(row[column], np.nan if unknown else largest, column)
+            expected = max(result.impacts[name][rows], default=0.0)
+            is_unknown = fault or (law == "newton_impact" and name == "peak_force" and rows.any())
+            np.testing.assert_equal(row[column], np.nan if is_unknown else expected, column)
     if scene.outputs.loads:
         peaks = result["joint[*].peak_force"].values()
-        largest = max(peak[-1] for peak in peaks)
-        np.testing.assert_equal(row["joint_force"], np.nan if fault else largest)
+        expected = max(peak[-1] for peak in peaks)
+        np.testing.assert_equal(row["joint_force"], np.nan if fault else expected)
     assert row["impact.count"] == len(result.impacts)
     for name, count in result.statistics.items():
         assert row[f"solver.{name}"] == count, name
@@ -81,12 +81,12 @@ def test_a_grid_of_laws_methods_and_restitutions():
         "solver.method": "auto,explicit,implicit",
         "contact.restitution": [0.0, 0.4, 1.0],
     }
-    found = sweep(scene, vary, outputs=["point[4].x", "link[2].angular_velocity"])
-    assert len(found) == len(CONTACT_LAWS) * 9
-    statuses = {check(scene, row, vary, ("point[4].x", "link[2].angular_velocity")) for row in found.table}
+    runs = sweep(scene, vary, outputs=["point[4].x", "link[2].angular_velocity"])
+    assert len(runs) == len(CONTACT_LAWS) * 9
+    statuses = {check(scene, row, vary, ("point[4].x", "link[2].angular_velocity")) for row in runs.table}
     assert {"ok", "restitution_not_allowed", "exponent_not_allowed"} <= statuses
-    bounced = (found["contact.model"] == "newton_impact") & (found["contact.restitution"] > 0.0)
-    assert np.isnan(found["peak_force"][bounced]).all()
+    bounced = (runs["contact.model"] == "newton_impact") & (runs["contact.restitution"] > 0.0)
+    assert np.isnan(runs["peak_force"][bounced]).all()
 
 
 def test_impulses_are_followed_for_the_columns_that_have_them():
@@ -103,9 +103,9 @@ def test_impulses_are_followed_for_the_columns_that_have_them():
     assert second.any()
     np.testing.assert_array_equal(last[second], with_contacts[on_floor[1]][second])
     plain = sweep(scene, vary)
-    for found in (with_contacts, with_impacts):
+    for runs in (with_contacts, with_impacts):
         for name in plain.names:
-            np.testing.assert_array_equal(found[name], plain[name])
+            np.testing.assert_array_equal(runs[name], plain[name])
 
 
 def test_parameters_of_every_kind():
@@ -120,11 +120,11 @@ def test_parameters_of_every_kind():
         "initial.angular_velocity[4]": [-1.0, 12.0],
         "simulation.stop_time": [0.3, 0.55],
     }
-    found = sweep(scene, vary)
-    assert len(found) == 256
-    for row in found.table[::5]:
+    runs = sweep(scene, vary)
+    assert len(runs) == 256
+    for row in runs.table[::5]:
         assert check(scene, row, vary) == "ok"
-    assert len(set(found["energy.total"])) > 150
+    assert len(set(runs["energy.total"])) > 150
 
 
 def test_walls_at_an_angle_dampers_and_inputs():
@@ -140,22 +140,27 @@ def test_walls_at_an_angle_dampers_and_inputs():
 def test_more_contacts_than_the_log_holds_and_contacts_that_last():
     scene = short("rod_drop", stop=4.0)
     vary = {"contact.restitution": [0.5, 0.8], "contact.model": ["zhang_sharf", "newton_impact"]}
-    found = sweep(scene, vary)
-    for row in found.table:
+    runs = sweep(scene, vary)
+    for row in runs.table:
         assert check(scene, row, vary) == "ok"
-    assert found["impact.count"].max() > 2 * LOG_SIZE
+    assert runs["impact.count"].max() > 2 * LOG_SIZE
 
 
 def test_a_fault_is_a_row_and_the_others_go_on():
     scene = short(stop=1.0)
     vary = {"solver.work_limit": [5e6, 300.0, 5e6], "initial.y": [1.4, -1.0]}
-    found = sweep(scene, vary)
-    assert [check(scene, row, vary) for row in found.table] == [
-        "ok", "starts_inside_wall", "too_much_work", "starts_inside_wall", "ok", "starts_inside_wall",
-    ]  # fmt: skip
-    assert found.failed.tolist() == [False, True, True, True, False, True]
-    assert 0.0 < found["time"][2] < 1.0
-    assert found.table[[0]].tobytes() == found.table[[4]].tobytes()
+    runs = sweep(scene, vary)
+    assert [check(scene, row, vary) for row in runs.table] == [
+        "ok",
+        "starts_inside_wall",
+        "too_much_work",
+        "starts_inside_wall",
+        "ok",
+        "starts_inside_wall",
+    ]
+    assert runs.failed.tolist() == [False, True, True, True, False, True]
+    assert 0.0 < runs["time"][2] < 1.0
+    assert runs.table[[0]].tobytes() == runs.table[[4]].tobytes()
 
 
 @pytest.mark.full("more cases", but=4)
@@ -172,27 +177,27 @@ def test_runs_of_random_scenes_are_those_of_simulate(seed):
 
 
 def test_contacts_at_stops_have_columns_of_their_own():
-    """Also test a contact that lasts at the end."""
+    """One of the runs ends during a contact."""
     scene = knee_scene()
     result = simulate(scene)
     assert {is_scene_joint_stop(scene, wall) for wall in result.impacts["wall"]} == {False, True}
     first = next(row for row in result.impacts if is_scene_joint_stop(scene, row["wall"]))
-    found = sweep(scene, {"simulation.stop_time": [0.5 * (first["onset"] + first["end"]), 2.0]})
-    for row in found.table:
-        assert check(scene, row, found.varied) == "ok"
-    assert (found["stop.peak_moment"] > 0.0).all()
-    assert found["peak_force"].tolist() == [0.0, max(found["peak_force"])]
+    runs = sweep(scene, {"simulation.stop_time": [0.5 * (first["onset"] + first["end"]), 2.0]})
+    for row in runs.table:
+        assert check(scene, row, runs.varied) == "ok"
+    assert (runs["stop.peak_moment"] > 0.0).all()
+    assert runs["peak_force"].tolist() == [0.0, max(runs["peak_force"])]
     assert not set(AT_STOPS) & set(sweep(short(), {"gravity.y": [-9.81]}).names)
 
 
 def test_a_scene_with_loads_has_the_largest_force_in_a_joint(tmp_path):
-    """The joint is 2 or 1, depending on the arm's angle; also for failed runs, and in the table's file."""
+    """The joint with the largest force depends on the angle of the arm."""
     scene = with_values(short("pinned_arm"), {"outputs.loads": True})
     vary = {"contact.stiffness": "1e5:1e9:3:log", "initial.angle[2]": [-2.1, 0.0, 2e9]}
-    found = sweep(scene, vary, outputs=["joint[2].peak_force"])
-    assert {check(scene, row, vary, ["joint[2].peak_force"]) for row in found.table} >= {"ok"}
-    assert (found["joint_force"] > found["joint[2].peak_force"]).any()
-    found.save(tmp_path / "loads.csv")
+    runs = sweep(scene, vary, outputs=["joint[2].peak_force"])
+    assert {check(scene, row, vary, ["joint[2].peak_force"]) for row in runs.table} >= {"ok"}
+    assert (runs["joint_force"] > runs["joint[2].peak_force"]).any()
+    runs.save(tmp_path / "loads.csv")
     assert "max_penetration,joint_force,time" in (tmp_path / "loads.csv").read_text(encoding="utf-8")
     assert "joint_force" not in sweep(short("pinned_arm"), {"gravity.y": [-9.81]}).names
 
@@ -200,8 +205,8 @@ def test_a_scene_with_loads_has_the_largest_force_in_a_joint(tmp_path):
 def test_peaks_of_rigid_stops_and_of_a_run_that_cannot_start():
     scene = knee_scene(**{"simulation.stop_time": 0.5})
     vary = {"stop.restitution": [0.5, 0.0], "initial.angle[2]": [0.9, -2.0]}
-    found = sweep(scene, vary)
-    statuses = [check(scene, row, found.varied) for row in found.table]
+    runs = sweep(scene, vary)
+    statuses = [check(scene, row, runs.varied) for row in runs.table]
     assert "ok" in statuses
     assert "starts_inside_wall" in statuses
     rigid = sweep(scene.with_values({"stops.model": "newton_impact"}), {"stop.restitution": [0.5]})
@@ -210,38 +215,38 @@ def test_peaks_of_rigid_stops_and_of_a_run_that_cannot_start():
 
 
 def test_impulses_of_rigid_walls_have_no_peak_force(tmp_path):
-    found = sweep(load_scene("pinned_arm"), {"contact.model": ["newton_impact", "flores"]})
-    rigid, other = found["peak_force"]
-    assert np.isnan(rigid)
-    assert other > 0.0
-    before = {"contact.model": ["newton_impact"], "simulation.stop_time": [0.1]}
-    assert sweep(load_scene("pinned_arm"), before)["peak_force"].tolist() == [0.0]
-    found.save(tmp_path / "laws.csv")
+    runs = sweep(load_scene("pinned_arm"), {"contact.model": ["newton_impact", "flores"]})
+    rigid_force, flores_force = runs["peak_force"]
+    assert np.isnan(rigid_force)
+    assert flores_force > 0.0
+    vary = {"contact.model": ["newton_impact"], "simulation.stop_time": [0.1]}
+    assert sweep(load_scene("pinned_arm"), vary)["peak_force"].tolist() == [0.0]
+    runs.save(tmp_path / "laws.csv")
     _, row, _ = (line.split(",") for line in (tmp_path / "laws.csv").read_text().splitlines())
     assert row[:2] == ["newton_impact", ""]
 
 
 def test_impulses_count_for_the_force_of_their_own_kind():
     """A hit at an elastic stop does not make the force at rigid walls unknown."""
-    far = load_scene("arm_at_stop").with_values({"contact.model": "newton_impact"})
-    far = far.with_values({"contact.points": (1, 2), "box.y_max": 1000.0})
-    (run,) = sweep(far, {"contact.restitution": [0.5]}).table
+    scene = load_scene("arm_at_stop").with_values({"contact.model": "newton_impact"})
+    scene = scene.with_values({"contact.points": (1, 2), "box.y_max": 1000.0})
+    (run,) = sweep(scene, {"contact.restitution": [0.5]}).table
     assert run["impact.count"] > 0
     assert run["stop.peak_moment"] > 0.0
     assert run["peak_force"] == 0.0
 
 
 def test_the_force_of_a_rest_on_a_rigid_wall_is_no_peak_force():
-    found = sweep(load_scene("bouncing_ball"), {"contact.restitution": [0.0]})
-    assert np.isnan(found["peak_force"]).all()
+    runs = sweep(load_scene("bouncing_ball"), {"contact.restitution": [0.0]})
+    assert np.isnan(runs["peak_force"]).all()
 
 
 def test_a_chain_that_can_touch_nothing():
     scene = without_walls()
-    found = sweep(scene, {"gravity.y": [-9.81, 0.0]})
-    for row in found.table:
-        assert check(scene, row, found.varied) == "ok"
-    assert found["peak_force"].tolist() == [0.0, 0.0]
+    runs = sweep(scene, {"gravity.y": [-9.81, 0.0]})
+    for row in runs.table:
+        assert check(scene, row, runs.varied) == "ok"
+    assert runs["peak_force"].tolist() == [0.0, 0.0]
 
 
 def without_walls():
@@ -251,10 +256,10 @@ def without_walls():
 @needs_compilers
 def test_a_law_of_ones_own():
     scene = with_law(short("rod_drop", 0.9), own_law())
-    found = sweep(scene, {"contact.model": ["hertz", "mine", "newton_impact"]})
-    for row in found.table:
-        assert check(scene, row, found.varied) == "ok"
-    assert len(set(found["peak_force"])) == 3
+    runs = sweep(scene, {"contact.model": ["hertz", "mine", "newton_impact"]})
+    for row in runs.table:
+        assert check(scene, row, runs.varied) == "ok"
+    assert len(set(runs["peak_force"])) == 3
 
 
 def test_a_mass_matrix_that_is_singular_is_a_row():
@@ -282,16 +287,16 @@ def test_a_joint_without_dry_friction_is_free_after_one_with_it():
         "rough",
     )
     vary = {"solver.work_limit": [1e4, 1e7], "link[2].joint_friction": [50.0, 0.0]}
-    found = [check(scene, row, vary) for row in sweep(scene, vary).table]
-    assert found == ["too_much_work", "ok", "ok", "ok"]
+    statuses = [check(scene, row, vary) for row in sweep(scene, vary).table]
+    assert statuses == ["too_much_work", "ok", "ok", "ok"]
 
 
 def test_derivatives_of_a_run_that_was_refused_are_unknown():
     scene = short().with_values({"outputs.sensitivities": ["contact.restitution"]})
     name = "sensitivity.contact.restitution.point[4].x"
-    found = sweep(scene, {"initial.y": [1.4, -1.0, 1.4]}, outputs=[name])
-    assert np.isfinite(found[name]).tolist() == [True, False, True]
-    assert found[name][0] == found[name][2]
+    runs = sweep(scene, {"initial.y": [1.4, -1.0, 1.4]}, outputs=[name])
+    assert np.isfinite(runs[name]).tolist() == [True, False, True]
+    assert runs[name][0] == runs[name][2]
 
 
 def test_a_sweep_of_derivatives_asks_for_no_kernel_of_its_own_sizes(monkeypatch, caplog):
@@ -309,7 +314,7 @@ def test_a_sweep_of_derivatives_asks_for_no_kernel_of_its_own_sizes(monkeypatch,
 
 def test_no_run_ends_after_its_stop_time():
     """The solver runs ahead, so the last step before a fault may end later."""
-    found = sweep(short("pinned_arm", stop=1.0), {"solver.work_limit": "20:3000:300"})
-    assert 10 < found.failed.sum() < 300
-    assert found["time"].max() == 1.0
-    assert (found["time"][~found.failed] == 1.0).all()
+    runs = sweep(short("pinned_arm", stop=1.0), {"solver.work_limit": "20:3000:300"})
+    assert 10 < runs.failed.sum() < 300
+    assert runs["time"].max() == 1.0
+    assert (runs["time"][~runs.failed] == 1.0).all()

@@ -20,47 +20,47 @@ VARY = {"contact.restitution": [0.0, 0.5], "contact.model": "flores,newton_impac
 
 
 @pytest.fixture(scope="module")
-def found():
+def runs():
     return sweep(SCENE, VARY, outputs=["point[4].x", "impact.last_wall"])
 
 
-def test_columns_of_a_sweep_are_found_by_name(found):
-    assert repr(found) == "FourLinkBox  4 runs: 3 ok, 1 restitution_not_allowed"
-    assert found.varied == ("contact.restitution", "contact.model")
-    assert len(found) == 4
-    assert found["contact.model"].tolist() == ["flores", "newton_impact"] * 2
-    assert found["status"].tolist() == ["restitution_not_allowed", "ok", "ok", "ok"]
-    assert found.failed.tolist() == [True, False, False, False]
-    assert np.isnan(found["point[4].x"]).tolist() == [True, False, False, False]
-    assert np.isnan(found["max_penetration"]).tolist() == [True, False, False, False]
-    assert np.isnan(found["peak_force"]).tolist() == [True, True, False, True]  # a failed run, and impulses
-    assert found["impact.last_wall"].dtype == np.int64
-    assert found.table.dtype.names == found.names
+def test_columns_of_a_sweep_are_found_by_name(runs):
+    assert repr(runs) == "FourLinkBox  4 runs: 3 ok, 1 restitution_not_allowed"
+    assert runs.varied == ("contact.restitution", "contact.model")
+    assert len(runs) == 4
+    assert runs["contact.model"].tolist() == ["flores", "newton_impact"] * 2
+    assert runs["status"].tolist() == ["restitution_not_allowed", "ok", "ok", "ok"]
+    assert runs.failed.tolist() == [True, False, False, False]
+    assert np.isnan(runs["point[4].x"]).tolist() == [True, False, False, False]
+    assert np.isnan(runs["max_penetration"]).tolist() == [True, False, False, False]
+    assert np.isnan(runs["peak_force"]).tolist() == [True, True, False, True]  # a failed run, and impulses
+    assert runs["impact.last_wall"].dtype == np.int64
+    assert runs.table.dtype.names == runs.names
     with pytest.raises(KeyError, match=r"^'peak is not a column of the sweep; there are contact"):
-        found["peak"]
+        runs["peak"]
 
 
-def test_csv_has_all_digits(found, tmp_path):
-    found.save(tmp_path / "out.csv")
+def test_csv_has_all_digits(runs, tmp_path):
+    runs.save(tmp_path / "out.csv")
     with (tmp_path / "out.csv").open(newline="", encoding="utf-8") as file:
         head, *rows = csv.reader(file)
-    assert tuple(head) == found.names
+    assert tuple(head) == runs.names
     assert len(rows) == 4
-    for row, expected in zip(rows, found.table, strict=True):
+    for row, expected in zip(rows, runs.table, strict=True):
         for name, cell in zip(head, row, strict=True):
             value = str(expected[name])
             assert cell == ("" if value == "nan" else value), name
 
 
 @needs_interop
-def test_parquet_is_the_same_table(found, tmp_path):
+def test_parquet_is_the_same_table(runs, tmp_path):
     from pyarrow import parquet
 
-    found.save(tmp_path / "out.parquet")
+    runs.save(tmp_path / "out.parquet")
     table = parquet.read_table(tmp_path / "out.parquet")
-    assert tuple(table.column_names) == found.names
-    for name in found.names:
-        assert np.array_equal(table[name].to_numpy(), found[name], equal_nan=found[name].dtype.kind == "f"), (
+    assert tuple(table.column_names) == runs.names
+    for name in runs.names:
+        assert np.array_equal(table[name].to_numpy(), runs[name], equal_nan=runs[name].dtype.kind == "f"), (
             name
         )
 
@@ -69,18 +69,18 @@ def test_parquet_is_the_same_table(found, tmp_path):
 def test_long_tables_are_written_in_chunks(tmp_path):
     from pyarrow import parquet
 
-    runs = CHUNK + 10
-    found = sweep(SCENE, {"initial.x": f"0.5:0.6:{runs}"})
-    found.save(tmp_path / "out.csv")
-    assert (tmp_path / "out.csv").read_text(encoding="utf-8").count("\n") == runs + 1
-    found.save(tmp_path / "out.parquet")
-    assert (parquet.read_table(tmp_path / "out.parquet")["initial.x"].to_numpy() == found["initial.x"]).all()
+    count = CHUNK + 10
+    runs = sweep(SCENE, {"initial.x": f"0.5:0.6:{count}"})
+    runs.save(tmp_path / "out.csv")
+    assert (tmp_path / "out.csv").read_text(encoding="utf-8").count("\n") == count + 1
+    runs.save(tmp_path / "out.parquet")
+    assert (parquet.read_table(tmp_path / "out.parquet")["initial.x"].to_numpy() == runs["initial.x"]).all()
 
 
-def test_a_data_frame_has_the_columns_of_the_sweep(found):
-    frame = found.to_dataframe()
-    assert list(frame.columns) == list(found.names)
-    assert frame.groupby("contact.model")["solver.steps"].max()["flores"] == found["solver.steps"][2]
+def test_a_data_frame_has_the_columns_of_the_sweep(runs):
+    frame = runs.to_dataframe()
+    assert list(frame.columns) == list(runs.names)
+    assert frame.groupby("contact.model")["solver.steps"].max()["flores"] == runs["solver.steps"][2]
 
 
 @pytest.mark.parametrize(
@@ -97,10 +97,10 @@ def test_refused_before_any_run(error, name, words, tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_data_frame_needs_pandas(found, monkeypatch):
+def test_a_data_frame_needs_pandas(runs, monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(MissingExtraError, match=r"^pandas.*pip install .*\[pandas\]'"):
-        found.to_dataframe()
+        runs.to_dataframe()
 
 
 def test_a_folder_that_is_not_there(tmp_path):
