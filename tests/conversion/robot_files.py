@@ -26,7 +26,7 @@ ARM = """
   {rest}
 </mujoco>
 """
-FREE = """
+FREE_ROBOT = """
 <mujoco model="free">
   <option {option}/>
   <worldbody>
@@ -90,8 +90,8 @@ def arm(**parts):
 
 
 def free(**parts):
-    """Return the MJCF of two links that fall freely."""
-    return FREE.format(**{**dict.fromkeys(PARTS, ""), **parts})
+    """Return the MJCF of two links with a free base."""
+    return FREE_ROBOT.format(**{**dict.fromkeys(PARTS, ""), **parts})
 
 
 def cart(**parts):
@@ -107,29 +107,29 @@ def drives(*actuators):
 
 def key(**values):
     """Return the element of MJCF with one keyframe, k."""
-    given = " ".join(f'{name}="{value}"' for name, value in values.items())
-    return f"<keyframe><key name='k' {given}/></keyframe>"
+    attributes = " ".join(f'{name}="{value}"' for name, value in values.items())
+    return f"<keyframe><key name='k' {attributes}/></keyframe>"
 
 
 LINK = """
   <link name="{name}"><inertial><origin xyz="{center}"/><mass value="{mass}"/>
-    <inertia ixx=".01" iyy=".02" izz=".02" ixy="0" ixz="0" iyz="0"/></inertial>{more}</link>
+    <inertia ixx=".01" iyy=".02" izz=".02" ixy="0" ixz="0" iyz="0"/></inertial>{content}</link>
 """
 JOINT = """
   <joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>
-    <origin xyz="{place}"/><axis xyz="{axis}"/>{more}</joint>
+    <origin xyz="{place}"/><axis xyz="{axis}"/>{content}</joint>
 """
 
 
-def link(name, center=".15 0 0", mass=1, more=""):
-    """Return a link of URDF."""
-    return LINK.format(name=name, center=center, mass=mass, more=more)
+def link(name, center=".15 0 0", mass=1, content=""):
+    """Return a link of URDF, with ``content`` as further elements."""
+    return LINK.format(name=name, center=center, mass=mass, content=content)
 
 
-def joint(name, parent, child, place="0 0 0", **others):
+def joint(name, parent, child, place="0 0 0", **attributes):
     """Return a joint of URDF, by default a hinge about y without limits."""
-    given = {"axis": "0 1 0", "kind": "continuous", "more": "", **others}
-    return JOINT.format(name=name, parent=parent, child=child, place=place, **given)
+    values = {"axis": "0 1 0", "kind": "continuous", "content": "", **attributes}
+    return JOINT.format(name=name, parent=parent, child=child, place=place, **values)
 
 
 def urdf(*parts, attributes=""):

@@ -99,14 +99,14 @@ SAME = {
         link("upper", "0 .15 0"),
         link("lower", "0 .1 0"),
         joint("a", "base", "upper", "0 0 1", axis="-1 0 0"),
-        joint("b", "upper", "lower", "0 .3 0", axis="1 0 0", more='<dynamics damping=".2"/>'),
+        joint("b", "upper", "lower", "0 .3 0", axis="1 0 0", content='<dynamics damping=".2"/>'),
     ),
     "urdf with a namespace": urdf(*TWO, attributes='xmlns="http://example.org/robot"'),
     "urdf with prefixes that are not declared": urdf(*TWO, "<drake:group name='g'/>"),
 }
 """Name → a file whose robot moves as in MuJoCo."""
 
-OTHERWISE = {
+DIFFERENT = {
     "some borne": (arm(upper='gravcomp="1"'), "body upper: gravcomp bears 1 of its weight"),
     "springs that are not linear": (arm(a='stiffness="3 2 0"'), "joint a: its spring is not linear"),
     "dampers that are not linear": (arm(b='damping="1 2 0"'), "joint b: its damping is not linear"),
@@ -190,16 +190,16 @@ def beside(tmp_path, text, **choices):
 
 @pytest.mark.parametrize("name", SAME)
 def test_a_robot_moves_as_in_mujoco(tmp_path, name):
-    found = beside(tmp_path, SAME[name])
-    assert found.difference is not None, found.cause
-    assert found.difference <= ALIKE
+    comparison = beside(tmp_path, SAME[name])
+    assert comparison.difference is not None, comparison.cause
+    assert comparison.difference <= ALIKE
 
 
-@pytest.mark.parametrize("name", OTHERWISE)
+@pytest.mark.parametrize("name", DIFFERENT)
 def test_the_first_difference_of_motion_is_reported(tmp_path, name):
-    text, told = OTHERWISE[name]
+    text, beginning = DIFFERENT[name]
     choices = {"joints": ["a", "b"]} if 'name="c"' in text else {}
-    assert beside(tmp_path, text, **choices).cause.startswith(told)
+    assert beside(tmp_path, text, **choices).cause.startswith(beginning)
 
 
 def test_with_held_joints_and_another_keyframe_it_moves_alike(tmp_path):

@@ -22,13 +22,13 @@ FLOOR = '<geom name="floor" type="plane" size="3 3 .1" {}/>'
 
 def test_disabled_contacts_and_limits_are_not_in_the_scene(tmp_path):
     limited = 'range="-30 30" limited="true"'
-    scene, done = read(
+    scene, result = read(
         tmp_path, arm(flags='<flag contact="disable" limit="disable"/>', world=FLOOR.format(""), a=limited)
     )
     assert scene.half_planes == {}
     assert scene.chain.links[0].joint_min is None
-    assert "flags: no limits of joints, no contacts, in the file and in the scene" in done.notes
-    assert done.warnings == []
+    assert "flags: no limits of joints, no contacts, in the file and in the scene" in result.notes
+    assert result.warnings == []
     scene, _ = read(
         tmp_path, arm(flags='<flag constraint="disable"/>', world=FLOOR.format(""), b='frictionloss="1"')
     )
@@ -54,10 +54,10 @@ def test_disabled_contacts_and_limits_are_not_in_the_scene(tmp_path):
     ],
 )
 def test_a_touched_plane_is_a_wall_with_the_friction_of_the_pair(tmp_path, floor, shape, rest, friction):
-    scene, done = read(tmp_path, arm(world=FLOOR.format(floor), shape=shape, rest=rest))
+    scene, result = read(tmp_path, arm(world=FLOOR.format(floor), shape=shape, rest=rest))
     if friction is None:
         assert scene.half_planes == {}
-        assert "plane floor: nothing that moves touches it: it is not a wall" in done.left_out
+        assert "plane floor: nothing that moves touches it: it is not a wall" in result.left_out
     else:
         assert list(scene.half_planes) == ["floor"]
         material = scene.contact.wall.get("floor")
@@ -121,22 +121,22 @@ def test_shapes_that_touch_a_floor_become_points_at_their_places(tmp_path, name,
     bare = '<geom name="lower" type="capsule" fromto="0 0 0 .3 0 0" size=".02" mass="1" />'
     text = text.replace(bare, bare.replace("/>", 'contype="0" conaffinity="0"/>') + shape)
     text = text.replace('name="b" axis="0 1 0"', f'name="b" axis="0 {axis} 0"')
-    scene, done = read(tmp_path, text, plane=plane)
+    scene, result = read(tmp_path, text, plane=plane)
     assert scene.contact.points == ()
-    found = [(*at, site.name) for (i, site), at in zip(scene.chain.sites, starts(scene), strict=True) if i]
+    points = [(*at, site.name) for (i, site), at in zip(scene.chain.sites, starts(scene), strict=True) if i]
     # about +y, in radians: the euler angle and both joint angles; the floor is at z = 0
     turn, sign = math.radians(25) + 0.3 - axis * 0.7, 1 if plane == "x,z" else -1
     knee = 0.4 * math.cos(0.3), 1.5 - 0.4 * math.sin(0.3)
     if expected is None:  # an oblique view of a cylinder: a rectangle with ellipses at its ends
         middle = sign * (knee[0] + 0.3 * math.cos(turn) - 0.1 * math.sin(turn))
-        away = np.array([row[:2] for row in found]) - (
+        offsets = np.array([row[:2] for row in points]) - (
             middle,
             knee[1] - 0.3 * math.sin(turn) - 0.1 * math.cos(turn),
         )
         axes = np.array([[sign * math.cos(turn), -math.sin(turn)], [sign * math.sin(turn), math.cos(turn)]])
         tilt = math.radians(70)
         sizes = 0.02, 0.1 * math.cos(tilt) + 0.02 * math.sin(tilt)
-        assert np.abs(away @ axes.T).max(axis=0) == pytest.approx(sizes, abs=1e-12)
+        assert np.abs(offsets @ axes.T).max(axis=0) == pytest.approx(sizes, abs=1e-12)
         return
     rows = [
         (
@@ -146,29 +146,29 @@ def test_shapes_that_touch_a_floor_become_points_at_their_places(tmp_path, name,
         )
         for x, z, radius, _ in expected
     ]
-    assert sorted(row[:3] for row in found) == [pytest.approx(row, abs=1e-12) for row in sorted(rows)]
-    assert {row[3] for row in found} == {row[3] for row in expected}
-    assert not [line for line in done.warnings if "reach" in line]
+    assert sorted(row[:3] for row in points) == [pytest.approx(row, abs=1e-12) for row in sorted(rows)]
+    assert {row[3] for row in points} == {row[3] for row in expected}
+    assert not [line for line in result.warnings if "reach" in line]
 
 
 def test_how_far_an_oblique_cylinder_reaches_beyond_its_points_is_told(tmp_path):
-    """Compared with many points on both rims of the cylinder."""
+    """The expected reach comes from many points on both rims of the cylinder."""
     angles = 0.5, 1.2, 0.2
     roll = '<geom type="cylinder" size=".05 .2" pos=".5 0 .05" euler="{} {} {}"/>'
-    where = [math.degrees(angle) for angle in angles]
+    degrees = [math.degrees(angle) for angle in angles]
     bare = '<geom name="lower" type="capsule" fromto="0 0 0 .3 0 0" size=".02" mass="1" />'
-    text = arm(world=FLOOR.format("")).replace(bare, roll.format(*where).replace("/>", ' mass="1"/>'))
-    scene, done = read(tmp_path, text)
-    (told,) = [line for line in done.differs if "reach" in line]
+    text = arm(world=FLOOR.format("")).replace(bare, roll.format(*degrees).replace("/>", ' mass="1"/>'))
+    scene, result = read(tmp_path, text)
+    (message,) = [line for line in result.differs if "reach" in line]
     rotation = Rotation.from_euler("XYZ", angles).as_matrix()
     turn = np.linspace(0.0, 2.0 * np.pi, 3600)
     rims = [[0.05 * np.cos(turn), 0.05 * np.sin(turn), np.full_like(turn, z)] for z in (-0.2, 0.2)]
     rims = (rotation @ np.concatenate(rims, axis=1))[[0, 2]].T + np.array([0.5, 0.05])
     points = np.array([(site.x, site.y) for i, site in scene.chain.sites if i == 1])
     walls = np.array([np.cos(turn), np.sin(turn)])
-    beyond = ((rims @ walls).max(axis=0) - (points @ walls).max(axis=0)).max()
-    assert float(re.search(r"reach ([\d.e-]+) m", told)[1]) == pytest.approx(beyond, rel=0.02)
-    assert 1e-4 < beyond < 4e-4
+    expected = ((rims @ walls).max(axis=0) - (points @ walls).max(axis=0)).max()
+    assert float(re.search(r"reach ([\d.e-]+) m", message)[1]) == pytest.approx(expected, rel=0.02)
+    assert 1e-4 < expected < 4e-4
 
 
 def test_a_roll_whose_axis_has_few_digits_is_one_point(tmp_path):
@@ -184,8 +184,8 @@ def test_shapes_of_two_links_around_their_joint_are_one_point(tmp_path):
         text = arm(world=FLOOR.format(""), more=wheel.format("hub", upper, ".4"))
         text = text.replace("<site", f"{wheel.format('rim', lower, 0)}<site")
         scene, _ = read(tmp_path, text)
-        kept = ["hub"] if upper >= lower else ["rim"]
-        assert [site.name for _, site in scene.chain.sites if site.name != "lower"] == kept
+        names = ["hub"] if upper >= lower else ["rim"]
+        assert [site.name for _, site in scene.chain.sites if site.name != "lower"] == names
         assert scene.contact.points == ()
 
 
@@ -208,15 +208,15 @@ def test_a_point_that_starts_within_a_wall_is_smaller_or_left_out_and_told(tmp_p
     ball = '<geom name="{}" size=".05" pos=".3 0 {}" mass=".1"/>'
     shapes = ball.format("heel", "-1.47") + ball.format("toe", "-1.6")
     text = arm(world=FLOOR.format("")).replace("<site", f"{shapes}<site")
-    scene, done = read(tmp_path, text)
+    scene, result = read(tmp_path, text)
     radii = {site.name: site.radius for _, site in scene.chain.sites}
     assert "toe" not in radii
-    assert any("point toe starts 0.15 m deep in floor: it is left out" in line for line in done.warnings)
+    assert any("point toe starts 0.15 m deep in floor: it is left out" in line for line in result.warnings)
     ball = ball.format("heel", "-1.47")
-    scene, done = read(tmp_path, arm(world=FLOOR.format("")).replace("<site", f"{ball}<site"))
+    scene, result = read(tmp_path, arm(world=FLOOR.format("")).replace("<site", f"{ball}<site"))
     assert {site.name: site.radius for _, site in scene.chain.sites}["heel"] == pytest.approx(0.03)
     assert any(
-        "point heel starts 0.02 m deep in floor: its radius is smaller" in line for line in done.warnings
+        "point heel starts 0.02 m deep in floor: its radius is smaller" in line for line in result.warnings
     )
 
 
@@ -225,34 +225,34 @@ def test_a_carriage_that_touches_the_floor_is_told(tmp_path):
     text = arm(world=FLOOR.format("")).replace(
         '<body name="upper" pos="0 0 1.5" >', f'{box}<body name="upper">'
     )
-    _, done = read(tmp_path, text.replace("</worldbody>", "</body></worldbody>"))
+    _, result = read(tmp_path, text.replace("</worldbody>", "</body></worldbody>"))
     assert (
         "body box: touches walls in the file; in the scene it is on no link, and touches nothing"
-        in done.left_out
+        in result.left_out
     )
 
 
 def test_the_part_of_an_ellipsoid_beyond_its_points_is_told(tmp_path):
     heel = '<geom type="ellipsoid" pos=".2 0 -.1" size=".05 .02 .1" mass=".1"/>'
     text = arm(world=FLOOR.format("")).replace("<site", f"{heel}<site")
-    _, done = read(tmp_path, text)
-    (line,) = [line for line in done.warnings if "shapes reach" in line and "joint b" in line]
+    _, result = read(tmp_path, text)
+    (line,) = [line for line in result.warnings if "shapes reach" in line and "joint b" in line]
     assert "reach 0.18 m, 60 % of the length" in line
 
 
 def test_a_link_without_points_is_told_to_touch_with_its_two_ends(tmp_path):
     bare = '<geom name="lower" type="capsule" fromto="0 0 0 .3 0 0" size=".02" mass="1" />'
     egg = '<geom type="ellipsoid" size=".15 .05 .05" pos=".15 0 0" mass="1"/>'
-    _, done = read(tmp_path, arm(world=FLOOR.format("")).replace(bare, egg))
-    (line,) = [line for line in done.warnings if "shapes reach" in line and "joint b" in line]
+    _, result = read(tmp_path, arm(world=FLOOR.format("")).replace(bare, egg))
+    (line,) = [line for line in result.warnings if "shapes reach" in line and "joint b" in line]
     assert "beyond its two ends" in line
     assert "reach 0.05 m" in line
 
 
 def test_dozens_of_shapes_are_one_line(tmp_path):
     eggs = '<geom type="ellipsoid" size=".01 .01 .01" pos=".{:02} 0 0" mass="0"/>'
-    _, done = read(tmp_path, arm(more="".join(map(eggs.format, range(30))), world=FLOOR.format("")))
-    (line,) = [line for line in done.left_out if "ellipsoid" in line]
+    _, result = read(tmp_path, arm(more="".join(map(eggs.format, range(30))), world=FLOOR.format("")))
+    (line,) = [line for line in result.left_out if "ellipsoid" in line]
     assert line.startswith("shapes 30 ellipsoids: do not touch as shapes")
 
 
@@ -266,12 +266,14 @@ def test_only_shapes_that_can_touch_a_wall_first_become_points(tmp_path):
     ]
 
 
-@pytest.mark.parametrize(("own", "warned"), [(0.01, False), (2.0, True)])
-def test_the_speed_from_which_a_limit_acts_on_a_damper_is_told(tmp_path, own, warned):
+@pytest.mark.parametrize(("damping", "warned"), [(0.01, False), (2.0, True)])
+def test_the_speed_from_which_a_limit_acts_on_a_damper_is_told(tmp_path, damping, warned):
     servo = '<velocity joint="a" kv="20" forcerange="-3.15 3.15"/>'
-    _, done = read(tmp_path, arm(a=f'damping="{own}"', rest=drives(servo)))
-    told = f"joint a: the limit of its drives also limits its damper, from {3.15 / (20 + own):.3g} rad/s on"
-    assert told in (done.warnings if warned else done.differs)
+    _, result = read(tmp_path, arm(a=f'damping="{damping}"', rest=drives(servo)))
+    message = (
+        f"joint a: the limit of its drives also limits its damper, from {3.15 / (20 + damping):.3g} rad/s on"
+    )
+    assert message in (result.warnings if warned else result.differs)
 
 
 @pytest.mark.parametrize(
@@ -287,18 +289,18 @@ def test_the_speed_from_which_a_limit_acts_on_a_damper_is_told(tmp_path, own, wa
 def test_the_limits_of_drives_are_added_up(tmp_path, actuators, limit):
     scene, _ = read(tmp_path, arm(rest=drives(*actuators)))
     assert scene.chain.links[0].joint_torque_limit == limit
-    kept, _ = read(tmp_path, arm(a='actuatorfrcrange="-3 3"', rest=drives(*actuators)))
-    assert kept.chain.links[0].joint_torque_limit == 3.0
-    free, _ = read(tmp_path, arm(flags='<flag clampctrl="disable"/>', rest=drives(*actuators)))
+    limited_scene, _ = read(tmp_path, arm(a='actuatorfrcrange="-3 3"', rest=drives(*actuators)))
+    assert limited_scene.chain.links[0].joint_torque_limit == 3.0
+    unlimited_scene, _ = read(tmp_path, arm(flags='<flag clampctrl="disable"/>', rest=drives(*actuators)))
     if "forcerange" not in actuators[0]:
-        assert free.chain.links[0].joint_torque_limit is None
+        assert unlimited_scene.chain.links[0].joint_torque_limit is None
 
 
 def test_a_range_of_controls_of_a_servo_is_told(tmp_path):
     servo = '<position name="hold" joint="a" kp="10" ctrlrange="-1 1"/>'
-    scene, done = read(tmp_path, arm(rest=drives(servo) + key(ctrl="3")))
+    scene, result = read(tmp_path, arm(rest=drives(servo) + key(ctrl="3")))
     assert scene.chain.links[0].joint_rest_angle == pytest.approx(-1.0)
-    assert "actuator hold: its control is from -1 to 1; targets of a scene have no limits" in done.differs
+    assert "actuator hold: its control is from -1 to 1; targets of a scene have no limits" in result.differs
     assert scene.inputs.joint_targets
 
 
@@ -307,19 +309,19 @@ def test_a_held_joint_has_no_remark(tmp_path):
         b='stiffness="3 4 0" range="-1 1" frictionloss="2"',
         rest=drives('<damper joint="b" kv="1" ctrlrange="0 1"/>'),
     )
-    _, done = read(tmp_path, text, joints=["a"])
+    _, result = read(tmp_path, text, joints=["a"])
     assert not [
         line
-        for line in (*done.warnings, *done.differs, *done.left_out)
+        for line in (*result.warnings, *result.differs, *result.left_out)
         if "joint b" in line or "actuator" in line
     ]
-    assert "joint b: held at the start" in done.notes
+    assert "joint b: held at the start" in result.notes
 
 
 def test_a_keyframe_is_chosen(tmp_path):
     keys = '<keyframe><key name="low" qpos=".1 .2"/><key name="high" qpos="-1 .5"/></keyframe>'
-    first, done = read(tmp_path, arm(rest=keys))
-    assert "start: keyframe low; keyframe can be high, none" in done.notes
+    first, result = read(tmp_path, arm(rest=keys))
+    assert "start: keyframe low; keyframe can be high, none" in result.notes
     assert first.initial.angles == pytest.approx((-0.1, -0.3))
     high, _ = read(tmp_path, arm(rest=keys), keyframe="high")
     assert high.initial.angles == pytest.approx((1.0, 0.5))
@@ -333,16 +335,18 @@ MESH = '<asset><mesh name="shell" file="absent.stl"/><texture name="t" type="2d"
 
 
 def test_files_of_meshes_that_are_not_needed_may_be_absent(tmp_path):
-    seen = '<geom type="mesh" mesh="shell" contype="0" conaffinity="0" mass="0"/>'
-    scene, done = read(tmp_path, arm(asset=MESH, more=seen))
+    visible_mesh = '<geom type="mesh" mesh="shell" contype="0" conaffinity="0" mass="0"/>'
+    scene, result = read(tmp_path, arm(asset=MESH, more=visible_mesh))
     assert scene.chain == read(tmp_path, arm())[0].chain
-    assert "files absent.stl, absent.png: cannot be read" in done.left_out
-    weighed = seen.replace(' mass="0"', "")
-    assert "without the mass of mesh shell" in read(tmp_path, arm(asset=MESH, more=weighed))[1].warnings[0]
-    only = arm(asset=MESH).replace(
-        '<geom name="lower" type="capsule" fromto="0 0 0 .3 0 0" size=".02" mass="1" />', weighed
+    assert "files absent.stl, absent.png: cannot be read" in result.left_out
+    massive_mesh = visible_mesh.replace(' mass="0"', "")
+    assert (
+        "without the mass of mesh shell" in read(tmp_path, arm(asset=MESH, more=massive_mesh))[1].warnings[0]
     )
-    assert "a body has no mass but that of absent meshes: shell" in refused(tmp_path, only)
+    text = arm(asset=MESH).replace(
+        '<geom name="lower" type="capsule" fromto="0 0 0 .3 0 0" size=".02" mass="1" />', massive_mesh
+    )
+    assert "a body has no mass but that of absent meshes: shell" in refused(tmp_path, text)
 
     generated, _ = read(tmp_path, urdf(*TWO, attributes='xmlns:xacro="http://www.ros.org/wiki/xacro"'))
     assert len(generated.chain.links) == 2
@@ -355,13 +359,13 @@ def test_a_proposal_converts(tmp_path):
     for i, axis in enumerate(axes):
         parent, place = ("base", "0 0 1") if i == 0 else (f"l{i - 1}", "0 0 0" if i == 6 else ".2 0 0")
         parts.append(joint(f"j{i + 1}", parent, f"l{i}", place, axis=axis))
-    told = refused(tmp_path, urdf(*parts))
-    names = told.partition("choose joints ")[2].partition(":")[0].split(",")
+    message = refused(tmp_path, urdf(*parts))
+    names = message.partition("choose joints ")[2].partition(":")[0].split(",")
     assert names[:2] == ["j2", "j4"]
     scene, _ = read(tmp_path, urdf(*parts), joints=names)
     assert len(scene.chain.links) == len(names) == 3
-    told = refused(tmp_path, urdf(*parts), joints=["j2", "j4", "j6", "j7"])
-    assert "joints j6 and j7 have the same axis; choose joints j2,j4,j7: these make" in told
+    message = refused(tmp_path, urdf(*parts), joints=["j2", "j4", "j6", "j7"])
+    assert "joints j6 and j7 have the same axis; choose joints j2,j4,j7: these make" in message
 
 
 def test_the_command_tells_warnings_first_and_quietly_nothing(tmp_path, capfd):
@@ -373,10 +377,10 @@ def test_the_command_tells_warnings_first_and_quietly_nothing(tmp_path, capfd):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert main(["convert", str(file), "--plane=-x,z", "--tip", "tip", *out]) == 0
-    said = capfd.readouterr().out.splitlines()
-    titles = [line.split()[0] for line in said]
+    lines = capfd.readouterr().out.splitlines()
+    titles = [line.split()[0] for line in lines]
     assert titles == sorted(titles, key=["scene", "warning", "left", "note"].index)
-    assert "warning  body upper: gravcomp bears 1 of its weight" in said[1]
+    assert "warning  body upper: gravcomp bears 1 of its weight" in lines[1]
     assert (
         (tmp_path / "robot.toml")
         .read_text(encoding="utf-8")

@@ -96,43 +96,43 @@ def carts():
         )
 
 
-@pytest.mark.parametrize("model", [*model_names(), *carts()], ids=lambda one: getattr(one, "name", one))
+@pytest.mark.parametrize("model", [*model_names(), *carts()], ids=lambda model: getattr(model, "name", model))
 def test_a_scene_is_the_same_again_after_mjcf(model, tmp_path):
     scene = scene_of(model)
-    again, done = scene_of_robot(written(tmp_path, "model.xml", mjcf_of(scene)[0]))
-    assert (done.warnings, done.left_out) == ([], [])
-    assert list(again.values) == list(scene.values)
+    converted_scene, result = scene_of_robot(written(tmp_path, "model.xml", mjcf_of(scene)[0]))
+    assert (result.warnings, result.left_out) == ([], [])
+    assert list(converted_scene.values) == list(scene.values)
     for name, value in scene.values.items():
-        found = again.values[name]
-        assert found == value, name
+        converted_value = converted_scene.values[name]
+        assert converted_value == value, name
 
 
 def test_the_model_of_a_real_arm_is_what_convert_makes_of_its_file():
     """Base, inputs and links are those of the file; starting angles, targets and limits may differ."""
     joints = ["shoulder_lift_joint", "elbow_joint", "wrist_1_joint"]
-    made, _ = scene_of_robot(models_folder() / "ur5e" / "ur5e.xml", ConversionChoices(joints))
+    converted_scene, _ = scene_of_robot(models_folder() / "ur5e" / "ur5e.xml", ConversionChoices(joints))
     model = load_scene("ur5e")
-    assert made.initial.position == model.initial.position
-    assert made.inputs == model.inputs
-    kept = ("length", "mass", "center_of_mass", "center_of_mass_offset", "inertia")
-    kept += ("joint_damping", "joint_stiffness")
-    kept += ("joint_friction", "joint_armature", "joint_torque_limit")
-    for one, other in zip(made.chain.links, model.chain.links, strict=True):
-        assert [getattr(one, key) for key in kept] == [getattr(other, key) for key in kept]
+    assert converted_scene.initial.position == model.initial.position
+    assert converted_scene.inputs == model.inputs
+    keys = ("length", "mass", "center_of_mass", "center_of_mass_offset", "inertia")
+    keys += ("joint_damping", "joint_stiffness")
+    keys += ("joint_friction", "joint_armature", "joint_torque_limit")
+    for link, model_link in zip(converted_scene.chain.links, model.chain.links, strict=True):
+        assert [getattr(link, key) for key in keys] == [getattr(model_link, key) for key in keys]
 
 
-FREE = {"box.x_min": None, "box.x_max": None, "box.y_min": None, "box.y_max": None}
-FAR = {"slider.max": 9.0, "slider.friction": 0.0, "slider.force_limit": 1e3}
-DRIVEN = {"box.x_max": None, "link[2].joint_armature": 0.05, "link[2].joint_stiffness": 3.0}
+WITHOUT_BOX = {"box.x_min": None, "box.x_max": None, "box.y_min": None, "box.y_max": None}
+FAR_STOPS = {"slider.max": 9.0, "slider.friction": 0.0, "slider.force_limit": 1e3}
+WITHOUT_WALL = {"box.x_max": None, "link[2].joint_armature": 0.05, "link[2].joint_stiffness": 3.0}
 
 
 @pytest.mark.parametrize(
     ("model", "changes"),
     [
-        ("four_link_box", FREE),
+        ("four_link_box", WITHOUT_BOX),
         ("triple_pendulum", {}),
-        ("pinned_arm", DRIVEN | {"link[2].joint_rest_angle": 0.4}),
-        *zip(carts(), (FAR | {"slider.min": -9.0}, {"slider.max": 9.0}), strict=True),
+        ("pinned_arm", WITHOUT_WALL | {"link[2].joint_rest_angle": 0.4}),
+        *zip(carts(), (FAR_STOPS | {"slider.min": -9.0}, {"slider.max": 9.0}), strict=True),
         ("triple_pendulum", {"link[1].center_of_mass_offset": 0.1, "link[3].center_of_mass_offset": -0.2}),
     ],
 )
@@ -142,13 +142,13 @@ def test_in_flight_mujoco_moves_as_the_scene(model, changes):
     run = {"simulation.stop_time": 1.0, "solver.tolerance": 1e-12}
     scene = scene_of(model).with_values({**changes, **run})
     scene = scene.with_values({"contact.points": []})
-    known = mujoco.MjModel.from_xml_string(mjcf_of(scene)[0])
-    data = mujoco.MjData(known)
-    mujoco.mj_resetDataKeyframe(known, data, 0)
-    known.opt.timestep = 1e-3
+    mujoco_model = mujoco.MjModel.from_xml_string(mjcf_of(scene)[0])
+    data = mujoco.MjData(mujoco_model)
+    mujoco.mj_resetDataKeyframe(mujoco_model, data, 0)
+    mujoco_model.opt.timestep = 1e-3
     for _ in range(1000):
-        mujoco.mj_step(known, data)
-    mujoco.mj_forward(known, data)
+        mujoco.mj_step(mujoco_model, data)
+    mujoco.mj_forward(mujoco_model, data)
     tip = data.site(f"point[{len(scene.chain.links)}]").xpos
     assert tip[[0, 2]] == pytest.approx(simulate(scene).points[-1, -1], abs=1e-9)
 
@@ -156,18 +156,18 @@ def test_in_flight_mujoco_moves_as_the_scene(model, changes):
 def test_a_urdf_becomes_a_scene_and_what_is_left_out_is_named(tmp_path, capsys):
     file, scene = written(tmp_path, "arm.urdf", URDF), tmp_path / "arm.toml"
     assert main(["convert", str(file), "-o", str(scene)]) == 0
-    found = load_scene(scene)
-    one, two = found.chain.links
-    assert found.name == "two_links"
-    assert (one.length, one.mass, one.center_of_mass, one.inertia) == (0.2, 0.5, 0.1, 0.003)
-    assert (two.length, two.mass, two.center_of_mass, two.inertia) == (0.15, 0.25, 0.05, 0.001)
-    assert (one.joint_torque_limit, two.joint_damping, two.joint_friction) == (7.0, 0.01, 0.02)
+    converted_scene = load_scene(scene)
+    upper, lower = converted_scene.chain.links
+    assert converted_scene.name == "two_links"
+    assert (upper.length, upper.mass, upper.center_of_mass, upper.inertia) == (0.2, 0.5, 0.1, 0.003)
+    assert (lower.length, lower.mass, lower.center_of_mass, lower.inertia) == (0.15, 0.25, 0.05, 0.001)
+    assert (upper.joint_torque_limit, lower.joint_damping, lower.joint_friction) == (7.0, 0.01, 0.02)
     hanging = -0.5 * np.pi
-    assert (one.joint_min, one.joint_max) == pytest.approx((hanging - 1.0, hanging + 2.0))
-    assert found.initial.angles == pytest.approx((hanging, hanging))
-    assert found.initial.position == (0.0, 1.0)
-    assert found.inputs.joint_torques
-    said = capsys.readouterr().out
+    assert (upper.joint_min, upper.joint_max) == pytest.approx((hanging - 1.0, hanging + 2.0))
+    assert converted_scene.initial.angles == pytest.approx((hanging, hanging))
+    assert converted_scene.initial.position == (0.0, 1.0)
+    assert converted_scene.inputs.joint_torques
+    output = capsys.readouterr().out
     for line in (
         "plane: x of the scene is (0 1 0) of the robot, y is (0 0 1)",
         "shapes 1 mesh: touch nothing in the file, and are not in the scene",
@@ -175,31 +175,31 @@ def test_a_urdf_becomes_a_scene_and_what_is_left_out_is_named(tmp_path, capsys):
         "element transmission drive: is not in the scene",
         "body base: no motion, so no effect of the mass",
     ):
-        assert line in said
+        assert line in output
         assert f"{line}\n" in scene.read_text(encoding="utf-8")
 
 
 def test_an_mjcf_of_others_becomes_a_scene_without_its_meshes(tmp_path):
-    found, done = scene_of_robot(written(tmp_path, "hopper.xml", MJCF))
-    thigh, leg = found.chain.links
-    assert found.chain.base == "free"
+    scene, result = scene_of_robot(written(tmp_path, "hopper.xml", MJCF))
+    thigh, leg = scene.chain.links
+    assert scene.chain.base == "free"
     assert (thigh.length, leg.length) == (0.4, 0.5)
-    assert found.initial.position == (0.0, 1.25)
-    assert found.half_planes["floor"].clearance(0.0, 1.25) == pytest.approx(1.25)
-    assert found.contact.wall["floor"].friction == 1.0  # the larger friction of the two shapes
+    assert scene.initial.position == (0.0, 1.25)
+    assert scene.half_planes["floor"].clearance(0.0, 1.25) == pytest.approx(1.25)
+    assert scene.contact.wall["floor"].friction == 1.0  # the larger friction of the two shapes
     assert (leg.joint_armature, leg.joint_stiffness, leg.joint_torque_limit) == (0.1, 4.0, 20.0)
     assert leg.joint_rest_angle == pytest.approx(np.radians(20.0))
     assert (leg.joint_min, leg.joint_max) == pytest.approx((0.0, np.radians(150.0)), abs=1e-12)
-    assert found.inputs.joint_torques
-    assert done.warnings[0] == (
+    assert scene.inputs.joint_torques
+    assert result.warnings[0] == (
         "body leg: without the mass of mesh shin, of which the file not_there.obj cannot be read"
     )
-    assert "1 sensor: not in the scene" in done.left_out
+    assert "1 sensor: not in the scene" in result.left_out
     assert thigh.mass == pytest.approx(1000.0 * (np.pi * 0.05**2 * 0.4 + 4.0 / 3.0 * np.pi * 0.05**3))
 
 
 @pytest.mark.parametrize(
-    ("name", "text", "said"),
+    ("name", "text", "message"),
     [
         ("x.urdf", "<robot", "is no XML"),
         ("x.xml", "<sdf/>", "its root element is 'sdf', must be 'robot' (URDF) or 'mujoco' (MJCF)"),
@@ -211,10 +211,10 @@ def test_an_mjcf_of_others_becomes_a_scene_without_its_meshes(tmp_path):
         ),
     ],
 )
-def test_a_file_that_is_no_robot_is_refused_in_one_line(tmp_path, name, text, said):
+def test_a_file_that_is_no_robot_is_refused_in_one_line(tmp_path, name, text, message):
     with pytest.raises(SceneError) as caught:
         scene_of_robot(written(tmp_path, name, text))
-    assert said in str(caught.value)
+    assert message in str(caught.value)
 
 
 def test_the_command_refuses_other_suffixes_and_joints_of_a_scene(tmp_path, capsys):
@@ -228,8 +228,8 @@ def test_the_command_refuses_other_suffixes_and_joints_of_a_scene(tmp_path, caps
 
 
 def test_the_conversion_of_a_scene_into_a_scene_is_refused(tmp_path):
-    told = r"^pinned_arm is a scene; its MJCF is written to a file that ends in \.xml$"
-    with pytest.raises(SceneError, match=told):
+    pattern = r"^pinned_arm is a scene; its MJCF is written to a file that ends in \.xml$"
+    with pytest.raises(SceneError, match=pattern):
         convert("pinned_arm", tmp_path / "arm.toml")
 
 
@@ -253,9 +253,9 @@ def test_what_mujoco_warns_of_is_a_note_and_no_file_is_written(here, capfd):
         encoding="utf-8",
     )
     assert main(["convert", "robot.xml", "-o", "robot.toml"]) == 0
-    said, warned = capfd.readouterr()
-    (line,) = [line for line in said.splitlines() if "Attach conflict" in line]
+    output, error_output = capfd.readouterr()
+    (line,) = [line for line in output.splitlines() if "Attach conflict" in line]
     assert line.startswith("note     MuJoCo warns: ")
     assert "timestep: parent has 0.002 (default), child has 0.005" in line
-    assert "Attach conflict" not in warned
+    assert "Attach conflict" not in error_output
     assert sorted(path.name for path in here.iterdir()) == ["leg.xml", "robot.toml", "robot.xml"]

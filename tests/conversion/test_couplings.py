@@ -15,13 +15,13 @@ CABLE = """<tendon>
 </tendon>"""
 
 
-def told_of(done, begin):
+def warnings_of(result, begin):
     """Return the warnings that begin with a text."""
-    return [line for line in done.warnings if line.startswith(begin)]
+    return [line for line in result.warnings if line.startswith(begin)]
 
 
 @pytest.mark.parametrize(
-    ("drive", "moved"),
+    ("drive", "moved_joints"),
     [
         ('<position name="d" tendon="t" kp="5"/>', "ab"),
         ('<position name="d" tendon="u" kp="5"/>', "a"),
@@ -30,33 +30,35 @@ def told_of(done, begin):
         ('<motor name="d" site="tip" refsite="mid"/>', "b"),
     ],
 )
-def test_an_actuator_without_a_joint_is_told_where_it_moves_the_chain(tmp_path, drive, moved):
+def test_an_actuator_without_a_joint_is_told_where_it_moves_the_chain(tmp_path, drive, moved_joints):
     sites = {"world": '<site name="root" pos="0 0 .5"/>', "more": '<site name="mid" pos=".2 0 0"/>'}
     text = arm(**sites, rest=CABLE + drives(drive))
     text = text.replace('<site name="tip"', '<geom name="ball" size=".05" mass="0"/><site name="tip"')
     for name in "ab":
-        _, done = read(tmp_path, text, joints=[name])
-        assert len(told_of(done, "actuator d: acts on no joint")) == (name in moved)
-        assert len(told_of(done, "tendon u: stiffness")) == (name == "a")
+        _, result = read(tmp_path, text, joints=[name])
+        assert len(warnings_of(result, "actuator d: acts on no joint")) == (name in moved_joints)
+        assert len(warnings_of(result, "tendon u: stiffness")) == (name == "a")
 
 
 @pytest.mark.parametrize("flag", ["limit", "constraint", "spring"])
 def test_a_limited_tendon_is_told_unless_limits_or_constraints_are_off(tmp_path, flag):
     limited = CABLE.replace('stiffness="5"', 'range="0 1"')
-    off = f'<option><flag {flag}="disable"/></option>'
+    option = f'<option><flag {flag}="disable"/></option>'
     text = arm(
-        world='<site name="root" pos="0 0 .5"/>', more='<site name="mid" pos=".2 0 0"/>', rest=limited + off
+        world='<site name="root" pos="0 0 .5"/>',
+        more='<site name="mid" pos=".2 0 0"/>',
+        rest=limited + option,
     )
     text = text.replace('<site name="tip"', '<geom name="ball" size=".05" mass="0"/><site name="tip"')
-    _, done = read(tmp_path, text)
-    assert len(told_of(done, "tendon u: limited")) == (flag == "spring")
+    _, result = read(tmp_path, text)
+    assert len(warnings_of(result, "tendon u: limited")) == (flag == "spring")
 
 
 def test_a_weld_of_a_carriage_to_the_world_is_told(tmp_path):
     text = cart(rest='<equality><weld name="w" body1="box"/></equality>')
     for joints in (["x", "a", "b"], ["a", "b"]):
-        _, done = read(tmp_path, text, joints=joints)
-        assert len(told_of(done, "equality w: weld")) == ("x" in joints)
+        _, result = read(tmp_path, text, joints=joints)
+        assert len(warnings_of(result, "equality w: weld")) == ("x" in joints)
 
 
 @pytest.mark.parametrize(
@@ -64,5 +66,5 @@ def test_a_weld_of_a_carriage_to_the_world_is_told(tmp_path):
 )
 def test_a_drive_at_rest_is_told_after_what_acts_at_once(tmp_path, control, first):
     filtered = '<general name="f" joint="a" dyntype="filter" dynprm=".1" ctrlrange="-2 2"/>'
-    _, done = read(tmp_path, arm(b='stiffness="3 2 0"', rest=drives(filtered) + key(ctrl=control)))
-    assert done.warnings[0].startswith(first)
+    _, result = read(tmp_path, arm(b='stiffness="3 2 0"', rest=drives(filtered) + key(ctrl=control)))
+    assert result.warnings[0].startswith(first)

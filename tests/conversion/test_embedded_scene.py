@@ -31,22 +31,22 @@ def converted(tmp_path, model, change=lambda text: text, **choices):
 
 
 def element(text, name):
-    return next(found for found in re.findall(r"<[^>]*>", text) if f'name="{name}"' in found)
+    return next(tag for tag in re.findall(r"<[^>]*>", text) if f'name="{name}"' in tag)
 
 
 def changed(name, attribute, value):
     """Return a change of an attribute of the element with a name."""
 
     def change(text):
-        old = element(text, name)
-        return text.replace(old, re.sub(rf'\b{attribute}="[^"]*"', f'{attribute}="{value}"', old))
+        tag = element(text, name)
+        return text.replace(tag, re.sub(rf'\b{attribute}="[^"]*"', f'{attribute}="{value}"', tag))
 
     return change
 
 
-def extended(name, more):
+def extended(name, elements):
     """Return a change that adds elements behind the element with a name, or, without elements, removes it."""
-    return lambda text: text.replace(element(text, name), element(text, name) + more if more else "")
+    return lambda text: text.replace(element(text, name), element(text, name) + elements if elements else "")
 
 
 def points_of(link):
@@ -55,10 +55,10 @@ def points_of(link):
 
 @pytest.mark.parametrize(("removed", "left"), [("ramp", "stop"), ("stop", "ramp")])
 def test_a_wall_whose_plane_is_removed_is_no_wall(tmp_path, removed, left):
-    found, done = converted(tmp_path, "ramp", extended(removed, ""))
-    assert [wall.name for wall in found.walls] == [left]
-    assert found.walls[0] == next(wall for wall in scene_of("ramp").walls if wall.name == left)
-    assert f"walls.{removed}" in done.notes[0]
+    scene, result = converted(tmp_path, "ramp", extended(removed, ""))
+    assert [wall.name for wall in scene.walls] == [left]
+    assert scene.walls[0] == next(wall for wall in scene_of("ramp").walls if wall.name == left)
+    assert f"walls.{removed}" in result.notes[0]
 
 
 SHAKEN = """
@@ -84,16 +84,16 @@ value = 0.3
 
 def test_what_needs_a_removed_wall_or_motor_is_left_out_and_told(tmp_path):
     shaken = parse_scene(SHAKEN, "shaken.toml")
-    found, done = converted(tmp_path, shaken, extended("ramp", ""))
-    assert (found.inputs.wall_motion, found.signals["push"]) == (("x_max",), shaken.signals["push"])
-    assert found.signals["shake"].input == ("wall.x_max.displacement",)
-    assert found.outputs.sensitivities == ("link[1].mass", "signal.shake.amplitude")
-    told = "inputs.wall_motion ramp, signals.shake, outputs.sensitivities: left out or shortened"
-    assert any(warning.startswith(told) for warning in done.warnings)
-    weak, done = converted(tmp_path, shaken, lambda text: re.sub(r"<motor[^>]*>", "", text))
-    assert ([*weak.signals], weak.inputs.joint_torques) == (["shake"], False)
-    assert any(warning.startswith("signals.push: left out") for warning in done.warnings)
-    assert weak.outputs.sensitivities == shaken.outputs.sensitivities
+    scene, result = converted(tmp_path, shaken, extended("ramp", ""))
+    assert (scene.inputs.wall_motion, scene.signals["push"]) == (("x_max",), shaken.signals["push"])
+    assert scene.signals["shake"].input == ("wall.x_max.displacement",)
+    assert scene.outputs.sensitivities == ("link[1].mass", "signal.shake.amplitude")
+    message = "inputs.wall_motion ramp, signals.shake, outputs.sensitivities: left out or shortened"
+    assert any(warning.startswith(message) for warning in result.warnings)
+    scene_without_motors, result = converted(tmp_path, shaken, lambda text: re.sub(r"<motor[^>]*>", "", text))
+    assert ([*scene_without_motors.signals], scene_without_motors.inputs.joint_torques) == (["shake"], False)
+    assert any(warning.startswith("signals.push: left out") for warning in result.warnings)
+    assert scene_without_motors.outputs.sensitivities == shaken.outputs.sensitivities
 
 
 @pytest.mark.parametrize(
@@ -107,38 +107,38 @@ def test_what_needs_a_removed_wall_or_motor_is_left_out_and_told(tmp_path):
     ids=["moved", "larger", "removed", "added"],
 )
 def test_a_shape_that_a_user_has_changed_is_a_changed_point(tmp_path, change, expected):
-    found, done = converted(tmp_path, "hopper", change)
-    assert points_of(found.chain.links[1]) == expected
-    assert found.contact.points == ()
-    assert found.signals == scene_of("hopper").signals
-    assert [note.rpartition(": ")[2] for note in done.notes] == ["link[2].points"]
+    scene, result = converted(tmp_path, "hopper", change)
+    assert points_of(scene.chain.links[1]) == expected
+    assert scene.contact.points == ()
+    assert scene.signals == scene_of("hopper").signals
+    assert [note.rpartition(": ")[2] for note in result.notes] == ["link[2].points"]
 
 
 def test_a_box_with_a_moved_corner_has_points_in_place_of_its_shape(tmp_path):
     (link,) = scene_of("thrown_brick").chain.links
-    found, _ = converted(tmp_path, "thrown_brick", changed("point[2]", "pos", "0.0 0.0 -0.07"))
-    (other,) = found.chain.links
-    assert (link.shape, other.shape, other.height) == ("box", None, None)
-    assert points_of(other) == [(0.0, -0.07, 0.0, ""), *points_of(link)[1:]]
-    assert (other.mass, other.inertia) == (link.mass, link.inertia)
+    scene, _ = converted(tmp_path, "thrown_brick", changed("point[2]", "pos", "0.0 0.0 -0.07"))
+    (changed_link,) = scene.chain.links
+    assert (link.shape, changed_link.shape, changed_link.height) == ("box", None, None)
+    assert points_of(changed_link) == [(0.0, -0.07, 0.0, ""), *points_of(link)[1:]]
+    assert (changed_link.mass, changed_link.inertia) == (link.mass, link.inertia)
 
 
 @pytest.mark.parametrize(("number", "touching"), [(1, (2,)), (2, (1,))])
 def test_a_joint_whose_shape_is_removed_does_not_touch(tmp_path, number, touching):
-    found, _ = converted(tmp_path, "pinned_arm", extended(f"point[{number}]", ""))
-    assert found.contact.points == touching
-    assert not any(link.points for link in found.chain.links)
+    scene, _ = converted(tmp_path, "pinned_arm", extended(f"point[{number}]", ""))
+    assert scene.contact.points == touching
+    assert not any(link.points for link in scene.chain.links)
 
 
 def test_the_friction_of_a_changed_plane_holds(tmp_path):
     def friction(scene):
         return scene.contact.friction, scene.contact.wall["y_min"].friction
 
-    found, done = converted(tmp_path, "hopper", changed("y_min", "friction", "0.5 0 0"))
-    assert friction(found) == (0.9, 0.5)
-    assert len(done.notes) == 1
-    found, _ = converted(tmp_path, "hopper", changed("y_min", "condim", "1"))
-    assert friction(found) == (0.9, 0.0)
+    converted_scene, result = converted(tmp_path, "hopper", changed("y_min", "friction", "0.5 0 0"))
+    assert friction(converted_scene) == (0.9, 0.5)
+    assert len(result.notes) == 1
+    converted_scene, _ = converted(tmp_path, "hopper", changed("y_min", "condim", "1"))
+    assert friction(converted_scene) == (0.9, 0.0)
 
 
 @pytest.mark.parametrize(
@@ -153,12 +153,12 @@ def test_the_friction_of_a_changed_plane_holds(tmp_path):
 )
 def test_a_changed_element_holds_and_all_else_is_as_before(tmp_path, change, name, value):
     scene = scene_of("hopper").with_values({"slider.damping": 1.0})
-    before = scene.values
-    found, done = converted(tmp_path, scene, change)
-    after = found.values
-    assert {key for key in before if before[key] != after.get(key, before[key])} == {name}
-    assert after[name] == value
-    assert name.rpartition(".")[2] in done.notes[0]
+    values = scene.values
+    converted_scene, result = converted(tmp_path, scene, change)
+    converted_values = converted_scene.values
+    assert {key for key in values if values[key] != converted_values.get(key, values[key])} == {name}
+    assert converted_values[name] == value
+    assert name.rpartition(".")[2] in result.notes[0]
 
 
 @pytest.mark.parametrize(
@@ -176,14 +176,18 @@ def test_points_are_at_the_same_places_whatever_axes_and_joints_are_chosen(
     tmp_path, choices, change, mirror, links
 ):
     scene = scene_of("hopper")
-    found, done = converted(tmp_path, scene, change, **choices)
-    assert len(found.chain.links) == links
-    assert not found.signals
-    assert any("signals" in line for line in done.warnings)
+    converted_scene, result = converted(tmp_path, scene, change, **choices)
+    assert len(converted_scene.chain.links) == links
+    assert not converted_scene.signals
+    assert any("signals" in line for line in result.warnings)
     for name in ("heel", "toe"):
         places = [
-            one.start[len(one.chain.links) + 1 + [site.name for _, site in one.chain.sites].index(name)]
-            for one in (scene, found)
+            either_scene.start[
+                len(either_scene.chain.links)
+                + 1
+                + [site.name for _, site in either_scene.chain.sites].index(name)
+            ]
+            for either_scene in (scene, converted_scene)
         ]
         assert np.multiply(places[1], [mirror, 1.0, 1.0]) == pytest.approx(places[0], abs=1e-12)
 
@@ -191,14 +195,16 @@ def test_points_are_at_the_same_places_whatever_axes_and_joints_are_chosen(
 def test_files_of_older_versions_are_read_and_other_texts_are_refused(tmp_path):
     scene = scene_of("thrown_brick")
     text = mjcf_of(scene)[0]
-    old = re.search(r'name="chain_impact" data="([^"]*)"', text)[1]
-    data = json.loads(old.replace("&quot;", '"'))
+    embedded_text = re.search(r'name="chain_impact" data="([^"]*)"', text)[1]
+    data = json.loads(embedded_text.replace("&quot;", '"'))
     numbers = {key: data.pop(key) for key in ("gravity", "chain", "box", "walls", "initial")}
     del data["name"]
     parts = json.dumps({"tables": data, "numbers": numbers, "bodies": [], "first_link": {}})
-    (tmp_path / "old.xml").write_text(text.replace(old, parts.replace('"', "&quot;")), encoding="utf-8")
+    (tmp_path / "old.xml").write_text(
+        text.replace(embedded_text, parts.replace('"', "&quot;")), encoding="utf-8"
+    )
     assert scene_of_robot(tmp_path / "old.xml")[0].values == scene.values
-    for wrong in ("nothing", "[]", "{}"):
-        (tmp_path / "wrong.xml").write_text(text.replace(old, wrong), encoding="utf-8")
+    for invalid_text in ("nothing", "[]", "{}"):
+        (tmp_path / "wrong.xml").write_text(text.replace(embedded_text, invalid_text), encoding="utf-8")
         with pytest.raises(SceneError):
             scene_of_robot(tmp_path / "wrong.xml")

@@ -63,15 +63,17 @@ def acceleration(model):
 
 def test_a_field_of_a_new_mujoco_has_yet_to_be_decided_on():
     """On failure, decide for each new field: converted, reported, or without effect on a scene."""
-    found = {field: treatments(field) for field, _ in fields(rich())}
-    assert [field for field, fate in found.items() if not fate] == []
-    assert [field for field, fate in found.items() if {"used", "remarked"} <= set(fate)] == []
+    field_fates = {field: treatments(field) for field, _ in fields(rich())}
+    assert [field for field, fate in field_fates.items() if not fate] == []
+    assert [field for field, fate in field_fates.items() if {"used", "remarked"} <= set(fate)] == []
 
 
 def test_the_table_has_no_field_that_mujoco_does_not_have():
-    known = {field for field, _ in fields(rich())}
+    field_names = {field for field, _ in fields(rich())}
     assert [
-        name for name in [*USED_FIELDS.split(), *(row.field for row in FIELD_REMARKS)] if name not in known
+        name
+        for name in [*USED_FIELDS.split(), *(row.field for row in FIELD_REMARKS)]
+        if name not in field_names
     ] == []
 
 
@@ -86,7 +88,7 @@ def test_reported_fields_are_reported_where_they_are_not_at_their_default(row):
     model = rich()
     changes_motion = row.effect in (SceneAspect.MOTION, SceneAspect.LATER_MOTION)
     title = "warning" if changes_motion else "differs" if row.differs else "left out"
-    before = difference_lines(unsupported_fields(model), title)
+    lines = difference_lines(unsupported_fields(model), title)
     if row.field == "key_plastic":
         assert model.nplastic == 0  # number of plastic springs, which are reported separately
         return
@@ -97,26 +99,31 @@ def test_reported_fields_are_reported_where_they_are_not_at_their_default(row):
         value.flat[-1] = row.default + 1
     else:
         setattr(holder, name, row.default + 1)
-    after = difference_lines(unsupported_fields(model), title)
-    (new,) = set(after) - set(before)
-    assert row.text in new
+    changed_lines = difference_lines(unsupported_fields(model), title)
+    (line,) = set(changed_lines) - set(lines)
+    assert row.text in line
 
 
 def test_a_field_that_the_table_does_not_have_is_told_if_it_is_not_zero(monkeypatch):
     monkeypatch.setattr(mjcf_fields, "USED_FIELDS", USED_FIELDS.replace("body_mass", ""))
-    told = difference_lines(unsupported_fields(rich()), "warning")
-    assert [line for line in told if "body_mass" in line and "not known to this version" in line]
+    lines = difference_lines(unsupported_fields(rich()), "warning")
+    assert [line for line in lines if "body_mass" in line and "not known to this version" in line]
 
 
 def test_fields_without_effect_change_no_acceleration_in_flight():
     model = rich()
     expected = acceleration(model)
     for field, value in fields(model):
-        held = np.asarray(value)
-        alone = {"used", "remarked", "follow from other fields", "counts, addresses and names"}
-        if alone & set(treatments(field)) or held.dtype.kind != "f" or not held.ndim or not held.size:
+        values = np.asarray(value)
+        excluded = {"used", "remarked", "follow from other fields", "counts, addresses and names"}
+        if (
+            excluded & set(treatments(field))
+            or values.dtype.kind != "f"
+            or not values.ndim
+            or not values.size
+        ):
             continue
-        kept = held.copy()
-        held += 0.01
+        original = values.copy()
+        values += 0.01
         assert acceleration(model) == pytest.approx(expected, abs=1e-12), field
-        held[...] = kept
+        values[...] = original

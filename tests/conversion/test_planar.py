@@ -22,83 +22,83 @@ DOWN = np.array([0.0, 0.0, -9.81])
 CENTER = np.array([0.1, 0.0, 0.0])
 
 
-def hinge(name, axis=(0.0, 1.0, 0.0), **more):
-    return Joint(name=name, kind="hinge", axis=np.array(axis), anchor=np.zeros(3), **more)
+def hinge(name, axis=(0.0, 1.0, 0.0), **options):
+    return Joint(name=name, kind="hinge", axis=np.array(axis), anchor=np.zeros(3), **options)
 
 
-def body(name, parent, position, joints=(), **more):
+def body(name, parent, position, joints=(), **options):
     return Body(
         name=name,
         parent=parent,
         rotation=np.eye(3),
         position=np.array(position),
         joints=joints,
-        **{"mass": 1.0, "center": CENTER, "inertia": np.diag([0.01, 0.02, 0.03]), **more},
+        **{"mass": 1.0, "center": CENTER, "inertia": np.diag([0.01, 0.02, 0.03]), **options},
     )
 
 
-def arm(*joints, **more):
+def arm(*joints, **options):
     """Return a robot of bodies 0.3 m apart along x, each with one of the joints, and a tip 0.2 m further."""
     bodies = [body(f"b{i}", i - 1, (0.3 * (i > 0), 0.0, 0.5 * (i == 0)), [j]) for i, j in enumerate(joints)]
     bodies.append(body("tip", len(joints) - 1, (0.2, 0.0, 0.0), mass=0.0, inertia=np.zeros((3, 3))))
-    return Robot(name="arm", bodies=bodies, gravity=DOWN, **more)
+    return Robot(name="arm", bodies=bodies, gravity=DOWN, **options)
 
 
-def scene(robot, *wanted, **choices):
-    done = chain_of(robot, ConversionChoices(joints=wanted, **choices), "arm.urdf")
-    return scene_from_dict(done.data, "arm"), done
+def scene(robot, *joints, **choices):
+    result = chain_of(robot, ConversionChoices(joints=joints, **choices), "arm.urdf")
+    return scene_from_dict(result.data, "arm"), result
 
 
 def test_x_of_the_robot_stays_x_and_the_signs_of_joints_are_turned():
     first = hinge("a", start=0.4, low=-1.0, high=2.0, damping=0.1, friction=0.2, armature=0.3)
-    found, done = scene(arm(first, hinge("b", start=-0.2, stiffness=5.0, rest=0.1)))
-    one, two = found.chain.links
-    assert (one.length, two.length, one.center_of_mass, one.inertia) == (0.3, 0.2, 0.1, 0.02)
-    assert (one.joint_damping, one.joint_friction, one.joint_armature) == (0.1, 0.2, 0.3)
+    converted, result = scene(arm(first, hinge("b", start=-0.2, stiffness=5.0, rest=0.1)))
+    upper, lower = converted.chain.links
+    assert (upper.length, lower.length, upper.center_of_mass, upper.inertia) == (0.3, 0.2, 0.1, 0.02)
+    assert (upper.joint_damping, upper.joint_friction, upper.joint_armature) == (0.1, 0.2, 0.3)
     # a positive angle about +y turns the x axis downwards
-    assert done.notes[:2] == [
+    assert result.notes[:2] == [
         "plane: x of the scene is (1 0 0) of the robot, y is (0 0 1)",
         "joints a, b: angles and torques have the other sign in the scene",
     ]
-    assert found.initial.angles == pytest.approx([-0.4, -0.2], abs=1e-11)
-    assert (one.joint_min, one.joint_max) == pytest.approx((-2.0, 1.0), abs=1e-11)
-    assert (two.joint_stiffness, two.joint_rest_angle) == (5.0, -0.1)
-    assert found.initial.position == (0.0, 0.5)
-    assert found.gravity == (0.0, -9.81)
+    assert converted.initial.angles == pytest.approx([-0.4, -0.2], abs=1e-11)
+    assert (upper.joint_min, upper.joint_max) == pytest.approx((-2.0, 1.0), abs=1e-11)
+    assert (lower.joint_stiffness, lower.joint_rest_angle) == (5.0, -0.1)
+    assert converted.initial.position == (0.0, 0.5)
+    assert converted.gravity == (0.0, -9.81)
 
 
 def test_a_joint_with_the_opposite_axis_counts_the_other_way():
     second = hinge("b", (0.0, -1.0, 0.0), start=0.3, low=-0.1, high=0.5)
-    found, done = scene(arm(hinge("a"), second))
-    assert found.initial.angles == pytest.approx([0.0, 0.3], abs=1e-11)
-    link = found.chain.links[1]
+    converted, result = scene(arm(hinge("a"), second))
+    assert converted.initial.angles == pytest.approx([0.0, 0.3], abs=1e-11)
+    link = converted.chain.links[1]
     assert (link.joint_min, link.joint_max) == pytest.approx((-0.1, 0.5))
-    assert "joint a: angles and torques have the other sign in the scene" in done.notes
+    assert "joint a: angles and torques have the other sign in the scene" in result.notes
 
 
 def test_the_plane_is_as_chosen():
     robot = arm(hinge("a"), hinge("b"))
-    mirrored, done = scene(robot, plane="-x,z")
+    mirrored, result = scene(robot, plane="-x,z")
     assert mirrored.initial.angles == pytest.approx([math.pi, math.pi])
-    assert not any("other sign" in note for note in done.notes)
+    assert not any("other sign" in note for note in result.notes)
     upside, _ = scene(robot, plane="z,x")
     assert upside.gravity == (-9.81, 0.0)
     assert upside.initial.angles == pytest.approx([0.5 * math.pi, 0.5 * math.pi])
-    for plane, said in (
+    for plane, message in (
         ("x", "must be two of x, y"),
         ("x,y", "at right angles"),
         ("x,-x", "at right angles"),
     ):
-        with pytest.raises(SceneError, match=said):
+        with pytest.raises(SceneError, match=message):
             scene(robot, plane=plane)
 
 
 def test_a_frame_is_chosen_as_the_tip():
     robot = arm(hinge("a"), hinge("b"))
     bodies = [*robot.bodies, body("hand", 1, (0.1, 0.0, 0.0), mass=0.0, inertia=np.zeros((3, 3)))]
-    found, done = scene(Robot(name="arm", bodies=bodies, gravity=DOWN), tip="hand")
-    assert found.chain.links[1].length == 0.1
-    assert "tip: the last link ends at hand, 0.1 m from its joint" in done.notes
+    converted, result = scene(Robot(name="arm", bodies=bodies, gravity=DOWN), tip="hand")
+    assert converted.chain.links[1].length == 0.1
+    assert "tip: the last link ends at hand, 0.1 m from its joint" in result.notes
     with pytest.raises(SceneError, match="hnd is not a frame of the last link; the nearest is hand"):
         scene(Robot(name="arm", bodies=bodies, gravity=DOWN), tip="hnd")
 
@@ -107,37 +107,37 @@ def test_offsets_along_hinge_axes_vanish_and_held_joints_merge_bodies():
     robot = arm(hinge("a"), hinge("b"))
     aside = [body("b0", -1, (0.0, 0.0, 0.5), [hinge("a")]), body("b1", 0, (0.3, 0.7, 0.0), [hinge("b")])]
     aside.append(robot.bodies[-1])
-    moved, _ = scene(Robot(name="arm", bodies=aside, gravity=DOWN))
-    assert moved.chain == scene(robot)[0].chain
-    held, done = scene(arm(hinge("a"), hinge("b", start=0.5 * math.pi)), "a")
-    (link,) = held.chain.links
+    moved_scene, _ = scene(Robot(name="arm", bodies=aside, gravity=DOWN))
+    assert moved_scene.chain == scene(robot)[0].chain
+    held_scene, result = scene(arm(hinge("a"), hinge("b", start=0.5 * math.pi)), "a")
+    (link,) = held_scene.chain.links
     assert link.mass == 2.0
     assert link.length == pytest.approx(math.hypot(0.3, 0.2))
-    assert "joint b: held at the start" in done.notes
+    assert "joint b: held at the start" in result.notes
     # masses at (0.1, 0) m and at (0.3, -0.1) m; the line of the link ends at (0.3, -0.2) m
-    about = 2 * 0.02 + 0.1**2 + 0.3**2 + 0.1**2
+    moment = 2 * 0.02 + 0.1**2 + 0.3**2 + 0.1**2
     center = link.center_of_mass, link.center_of_mass_offset
     assert center == pytest.approx(np.array([0.2 * 0.3 + 0.05 * 0.2, 0.2 * 0.2 - 0.05 * 0.3]) / link.length)
-    assert link.inertia + link.mass * np.dot(center, center) == pytest.approx(about, abs=1e-10)
-    assert done.warnings == []
+    assert link.inertia + link.mass * np.dot(center, center) == pytest.approx(moment, abs=1e-10)
+    assert result.warnings == []
 
 
 @pytest.mark.parametrize("plane", ["x,z", "-x,z"])
 def test_a_mirrored_plane_mirrors_the_centre_of_mass(plane):
     bodies = list(arm(hinge("a")).bodies)
     bodies[0] = body("b0", -1, (0.0, 0.0, 0.5), [hinge("a")], center=np.array([0.1, 0.0, 0.03]))
-    found, done = scene(Robot(name="arm", bodies=bodies, gravity=DOWN), plane=plane)
-    (link,) = found.chain.links
-    left = 0.03 if plane == "x,z" else -0.03
-    assert (link.center_of_mass, link.center_of_mass_offset, link.inertia) == (0.1, left, 0.02)
-    assert done.warnings == []
+    converted, result = scene(Robot(name="arm", bodies=bodies, gravity=DOWN), plane=plane)
+    (link,) = converted.chain.links
+    offset = 0.03 if plane == "x,z" else -0.03
+    assert (link.center_of_mass, link.center_of_mass_offset, link.inertia) == (0.1, offset, 0.02)
+    assert result.warnings == []
 
 
 def test_joints_with_upright_axes_bear_gravity():
-    found, done = scene(arm(hinge("a", (0.0, 0.0, 1.0)), hinge("b", (0.0, 0.0, 1.0))))
-    assert found.gravity == (0.0, 0.0)
-    assert found.initial.angles == (0.0, 0.0)
-    assert "gravity: its part along the axes, 9.81 m/s², is borne by the joints" in done.notes
+    converted, result = scene(arm(hinge("a", (0.0, 0.0, 1.0)), hinge("b", (0.0, 0.0, 1.0))))
+    assert converted.gravity == (0.0, 0.0)
+    assert converted.initial.angles == (0.0, 0.0)
+    assert "gravity: its part along the axes, 9.81 m/s², is borne by the joints" in result.notes
 
 
 def test_planes_are_walls_and_a_start_beyond_a_stop_is_moved():
@@ -148,18 +148,20 @@ def test_planes_are_walls_and_a_start_beyond_a_stop_is_moved():
         ),
         Plane(name="side", point=np.zeros(3), normal=np.array([0.0, 1.0, 0.0]), contacts=[(0, 0.0)]),
     ]
-    found, done = scene(arm(hinge("a", start=0.1, low=0.2, high=0.5), planes=planes))
-    assert found.box.y_min == 0.0
-    assert found.contact.wall["y_min"].friction == 0.4
-    assert [wall.name for wall in found.walls] == ["wall_2"]
-    assert found.half_planes["wall_2"].normal == pytest.approx((-1.0, 0.0), abs=1e-12)
-    assert "plane side: is not at right angles to the plane of the motion: it is not a wall" in done.left_out
-    assert found.initial.angles[0] == pytest.approx(-0.2)
-    assert "joint a: starts at its stop; in the file it starts 0.1 rad beyond this stop" in done.warnings
+    converted, result = scene(arm(hinge("a", start=0.1, low=0.2, high=0.5), planes=planes))
+    assert converted.box.y_min == 0.0
+    assert converted.contact.wall["y_min"].friction == 0.4
+    assert [wall.name for wall in converted.walls] == ["wall_2"]
+    assert converted.half_planes["wall_2"].normal == pytest.approx((-1.0, 0.0), abs=1e-12)
+    assert (
+        "plane side: is not at right angles to the plane of the motion: it is not a wall" in result.left_out
+    )
+    assert converted.initial.angles[0] == pytest.approx(-0.2)
+    assert "joint a: starts at its stop; in the file it starts 0.1 rad beyond this stop" in result.warnings
 
 
 @pytest.mark.parametrize(
-    ("robot", "wanted", "said"),
+    ("robot", "joints", "message"),
     [
         (
             arm(hinge("a"), hinge("b", (0.0, 0.0, 1.0)), hinge("c")),
@@ -196,10 +198,10 @@ def test_planes_are_walls_and_a_start_beyond_a_stop_is_moved():
         ),
     ],
 )
-def test_robots_that_are_no_planar_chain_are_refused_with_a_way_out(robot, wanted, said):
+def test_robots_that_are_no_planar_chain_are_refused_with_a_way_out(robot, joints, message):
     with pytest.raises(SceneError) as caught:
-        scene(robot, *wanted)
-    assert said in str(caught.value)
+        scene(robot, *joints)
+    assert message in str(caught.value)
     assert "\n" not in str(caught.value)
 
 

@@ -18,15 +18,15 @@ pytestmark = needs_interop
 def limited(low, high, effort=5):
     return {
         "kind": "revolute",
-        "more": f'<limit lower="{low}" upper="{high}" effort="{effort}" velocity="2"/>',
+        "content": f'<limit lower="{low}" upper="{high}" effort="{effort}" velocity="2"/>',
     }
 
 
 def test_equal_limits_name_the_joint_and_what_converts(tmp_path):
     parts = [link("u"), link("l"), joint("a", "base", "u", **limited(0, 0)), joint("b", "u", "l", ".3 0 0")]
-    told = refused(tmp_path, urdf(*parts))
-    assert "joint a: its limits are equal, 0 rad, so it cannot move" in told
-    assert "choose joints b: these make a chain" in told
+    message = refused(tmp_path, urdf(*parts))
+    assert "joint a: its limits are equal, 0 rad, so it cannot move" in message
+    assert "choose joints b: these make a chain" in message
     scene, _ = read(tmp_path, urdf(*parts), joints=["b"])
     assert len(scene.chain.links) == 1
     parts[2] = joint("a", "base", "u", **limited(1, -1))
@@ -37,15 +37,15 @@ def test_equal_limits_name_the_joint_and_what_converts(tmp_path):
 
 def test_an_effort_of_zero_is_told(tmp_path):
     parts = [link("u"), joint("a", "base", "u", **limited(-1, 1, effort=0))]
-    scene, done = read(tmp_path, urdf(*parts))
+    scene, result = read(tmp_path, urdf(*parts))
     assert scene.chain.links[0].joint_torque_limit is None
-    assert "joint a: limit of the effort 0: is taken as none" in done.left_out
+    assert "joint a: limit of the effort 0: is taken as none" in result.left_out
 
 
 def test_moments_of_inertia_that_no_body_has_are_told(tmp_path):
     parts = [link("u").replace('ixx=".01"', 'ixx=".05"'), joint("a", "base", "u")]
-    told = "link u: no rigid body can have the moments of inertia 0.02, 0.02 and 0.05 kg·m²"
-    assert told in read(tmp_path, urdf(*parts))[1].differs
+    message = "link u: no rigid body can have the moments of inertia 0.02, 0.02 and 0.05 kg·m²"
+    assert message in read(tmp_path, urdf(*parts))[1].differs
 
 
 def test_a_moment_of_inertia_counts_without_a_mass(tmp_path):
@@ -59,7 +59,7 @@ def test_a_moment_of_inertia_counts_without_a_mass(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("parts", "said"),
+    ("parts", "message"),
     [
         (['<joint name="a" type="fixed"/>'], "joint a: has no parent, must have one as in"),
         ([link("u"), joint("a", "base", "u", axis="0 0 0")], "robot.urdf: joint a: its axis is 0 0 0"),
@@ -67,7 +67,7 @@ def test_a_moment_of_inertia_counts_without_a_mass(tmp_path):
         ([link("u", mass=-1), joint("a", "base", "u")], "link u: mass value = -1 must be at least 0"),
         ([link("u", "inf 0 0"), joint("a", "base", "u")], "link u: origin xyz = inf 0 0 must be finite"),
         (
-            [link("u"), joint("a", "base", "u", more='<dynamics damping="nan"/>')],
+            [link("u"), joint("a", "base", "u", content='<dynamics damping="nan"/>')],
             "joint a: dynamics damping = nan",
         ),
         (
@@ -75,7 +75,7 @@ def test_a_moment_of_inertia_counts_without_a_mass(tmp_path):
             "joint a: limit lower = nan must be a number",
         ),
         (
-            [link("u"), joint("a", "base", "u", more='<axis xyz="1 0 0"/>')],
+            [link("u"), joint("a", "base", "u", content='<axis xyz="1 0 0"/>')],
             "joint a: has 2 elements axis, must",
         ),
         (
@@ -88,32 +88,34 @@ def test_a_moment_of_inertia_counts_without_a_mass(tmp_path):
         (['<link name="u"/>', joint("a", "base", "u")], "on the axis of joint a; u has no mass in the file"),
     ],
 )
-def test_a_urdf_that_makes_no_sense_is_refused_with_the_place(tmp_path, parts, said):
-    assert said in refused(tmp_path, urdf(*parts))
+def test_a_urdf_that_makes_no_sense_is_refused_with_the_place(tmp_path, parts, message):
+    assert message in refused(tmp_path, urdf(*parts))
 
 
 def test_unreadable_colours_and_absent_meshes_of_urdf_do_not_matter(tmp_path):
     mesh, colour = '<geometry><mesh filename="no.dae"/></geometry>', '<color rgba="red"/>'
-    seen = f'<visual>{mesh}<material name="m">{colour}</material></visual>'
-    scene, done = read(
+    visual = f'<visual>{mesh}<material name="m">{colour}</material></visual>'
+    scene, result = read(
         tmp_path,
         urdf(
-            link("u", more=seen), joint("a", "base", "u"), '<material name="n"><color rgba="x"/></material>'
+            link("u", content=visual),
+            joint("a", "base", "u"),
+            '<material name="n"><color rgba="x"/></material>',
         ),
     )
     assert len(scene.chain.links) == 1
-    assert done.left_out == ["shapes 1 mesh: touch nothing in the file, and are not in the scene"]
+    assert result.left_out == ["shapes 1 mesh: touch nothing in the file, and are not in the scene"]
 
 
 def test_quantities_that_urdf_does_not_know_are_reported(tmp_path):
     extra = '<gazebo reference="u"><mu1>2</mu1></gazebo>'
     text = urdf(
-        link("u", more="<contact><stiffness value='3'/></contact>"),
-        joint("a", "base", "u", more="<calibration rising='1'/>"),
+        link("u", content="<contact><stiffness value='3'/></contact>"),
+        joint("a", "base", "u", content="<calibration rising='1'/>"),
         extra,
     )
-    _, done = read(tmp_path, text)
-    assert set(done.left_out) == {
+    _, result = read(tmp_path, text)
+    assert set(result.left_out) == {
         "element gazebo u: is not in the scene: mu1",
         "link u: contact: is not in the scene",
         "joint a: calibration rising 1: is not in the scene",
@@ -122,20 +124,20 @@ def test_quantities_that_urdf_does_not_know_are_reported(tmp_path):
 
 def test_a_mimic_is_told_of_a_moving_joint_only(tmp_path):
     mimic = '<mimic joint="a"/>'
-    grip = joint("grip", "lower", "tool", kind="fixed", more=mimic)
+    grip = joint("grip", "lower", "tool", kind="fixed", content=mimic)
     for b, count in (("", 0), (mimic, 1)):
-        _, done = read(tmp_path, urdf(*TWO[:4], joint("b", "upper", "lower", ".3 0 0", more=b), grip))
-        told = [line for line in (*done.warnings, *done.left_out) if "mimic" in line]
-        assert len(told) == count
-        assert all(line.startswith("joint b: ") for line in told)
+        _, result = read(tmp_path, urdf(*TWO[:4], joint("b", "upper", "lower", ".3 0 0", content=b), grip))
+        lines = [line for line in (*result.warnings, *result.left_out) if "mimic" in line]
+        assert len(lines) == count
+        assert all(line.startswith("joint b: ") for line in lines)
 
 
 @pytest.mark.parametrize(
     "part", ["<xacro:include filename='x'/>", '<link name="${prefix}l"/>'], ids=["element", "text"]
 )
 def test_a_xacro_file_is_refused_with_the_advice_to_run_xacro(tmp_path, part):
-    told = refused(tmp_path, urdf(*TWO, part, attributes='xmlns:xacro="http://www.ros.org/wiki/xacro"'))
-    assert "run xacro first" in told
+    message = refused(tmp_path, urdf(*TWO, part, attributes='xmlns:xacro="http://www.ros.org/wiki/xacro"'))
+    assert "run xacro first" in message
 
 
 SHAPE = """<collision name="{name}">
@@ -160,14 +162,14 @@ SHAPE = """<collision name="{name}">
 def test_collision_shapes_are_points(tmp_path, geometry, xyz, rpy, expected):
     shape = SHAPE.format(name="heel", geometry=geometry, xyz=xyz, rpy=rpy)
     parts = [link("u").replace("</link>", f"{shape}</link>"), joint("a", "base", "u")]
-    scene, done = read(tmp_path, urdf(*parts))
+    scene, result = read(tmp_path, urdf(*parts))
     points = scene.chain.links[0].points
     assert all(point.name.startswith("heel") for point in points)
     # the link may point along any direction of the plane: distances from the joint do not depend on it
-    found = sorted({round(float(np.hypot(point.x, point.y)), 12) for point in points})
-    assert {round(float(np.hypot(*one)), 12) for one in expected} <= set(found)
+    distances = sorted({round(float(np.hypot(point.x, point.y)), 12) for point in points})
+    assert {round(float(np.hypot(*point)), 12) for point in expected} <= set(distances)
     assert {point.radius for point in points} == ({0.02} if "sphere" in geometry else {0.0})
-    assert not [text for text in done.left_out if "shapes" in text]
+    assert not [text for text in result.left_out if "shapes" in text]
 
 
 def test_ends_of_a_link_touch_in_place_of_its_mesh(tmp_path):
@@ -177,15 +179,15 @@ def test_ends_of_a_link_touch_in_place_of_its_mesh(tmp_path):
     }
     links = {name: link(name).replace("</link>", f"{shape}</link>") for name, shape in shapes.items()}
     first = joint("a", "base", "skin")
-    scene, done = read(tmp_path, urdf(links["skin"], first))
+    scene, result = read(tmp_path, urdf(links["skin"], first))
     assert not scene.chain.links[0].points
     assert scene.contact.points == (1,)
-    assert any("a: outlines of shapes (mesh) are not known: the two ends" in text for text in done.differs)
-    # beside a link with points, too
-    scene, done = read(tmp_path, urdf(*links.values(), first, joint("b", "skin", "heel", ".3 0 0")))
+    assert any("a: outlines of shapes (mesh) are not known: the two ends" in text for text in result.differs)
+    # also if another link has points
+    scene, result = read(tmp_path, urdf(*links.values(), first, joint("b", "skin", "heel", ".3 0 0")))
     assert len(scene.chain.links[1].points) == 1
     assert scene.contact.points == (1,)
-    assert any("a: outlines of shapes (mesh) are not known: the two ends" in text for text in done.differs)
+    assert any("a: outlines of shapes (mesh) are not known: the two ends" in text for text in result.differs)
 
 
 @pytest.mark.parametrize(
@@ -205,5 +207,5 @@ def test_ends_of_a_link_touch_in_place_of_its_mesh(tmp_path):
     ],
 )
 def test_an_extension_for_a_simulator_that_changes_the_motion_is_a_warning(extension, title):
-    found = [*other_elements(fromstring(f"<robot>{extension}</robot>"))]
-    assert [difference.title for difference in found] == [title]
+    differences = [*other_elements(fromstring(f"<robot>{extension}</robot>"))]
+    assert [difference.title for difference in differences] == [title]
