@@ -29,12 +29,12 @@ def programs() -> dict[str, str]:
 
 if __name__ == "__main__":
     name, *arguments = sys.argv[1:] or [""]
-    known = programs()
-    if name not in known:
+    descriptions = programs()
+    if name not in descriptions:
         fault = f"NAME is {name!r}; must be one of:" if name else "NAME is missing; must be one of:"
         print(
             fault,
-            *(f"{program:16} {text}" for program, text in known.items()),
+            *(f"{program:16} {text}" for program, text in descriptions.items()),
             sep="\n",
             file=sys.stderr,
         )

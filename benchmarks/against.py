@@ -46,9 +46,9 @@ class Run:
         self.block = room[first : first + len(self.fresh)]
         self.address, self.stop, self.compared = self.block.ctypes.data, side["stop"], side["compared"]
         self.varied, self.count = side["varied"], side["evaluations"]
-        kernel, pointer, real = ctypes.CDLL(side["library"]), ctypes.c_void_p, ctypes.c_double
+        kernel, pointer, double = ctypes.CDLL(side["library"]), ctypes.c_void_p, ctypes.c_double
         self.initialize, self.advance, self.observe = (kernel[name] for name in side["functions"])
-        self.initialize.argtypes = self.advance.argtypes = [pointer, real]
+        self.initialize.argtypes = self.advance.argtypes = [pointer, double]
         self.observe.argtypes = [pointer]
         self.copies = True
         self.expected = self.outcome()
@@ -65,7 +65,7 @@ class Run:
         return int(self.advance(self.address, self.stop))
 
     def outcome(self) -> list[bytes]:
-        """Return the records to compare, after one more run."""
+        """Return the compared records as bytes, after one more run."""
         self()
         self.observe(self.address)
         return [self.block[start:end].tobytes() for start, end in self.compared]
@@ -97,32 +97,36 @@ def worktree(revision: str) -> Iterator[Path]:
 
 def git(*arguments: str) -> str:
     """Return the output of git in this repository."""
-    done = subprocess.run(["git", *arguments], cwd=common.ROOT, stdout=subprocess.PIPE, text=True, check=True)
-    return done.stdout.strip()
+    process = subprocess.run(
+        ["git", *arguments], cwd=common.ROOT, stdout=subprocess.PIPE, text=True, check=True
+    )
+    return process.stdout.strip()
 
 
 def sides(root: Path) -> dict[str, dict[str, Any]]:
     """Return the kernels and instances of a tree's package; a kernel that is not cached is compiled."""
     environment = {**os.environ, "PYTHONPATH": str(root / "fmu_src")}
     command = [sys.executable, str(Path(__file__).with_name("against_side.py"))]
-    done = subprocess.run(command, cwd=root, env=environment, stdout=subprocess.PIPE, check=True)
-    made: dict[str, dict[str, Any]] = pickle.loads(done.stdout)
-    return made
+    process = subprocess.run(command, cwd=root, env=environment, stdout=subprocess.PIPE, check=True)
+    sides_by_scene: dict[str, dict[str, Any]] = pickle.loads(process.stdout)
+    return sides_by_scene
 
 
-def compare(scene: str, new: dict[str, Any], old: dict[str, Any]) -> None:
+def compare(scene: str, new_side: dict[str, Any], old_side: dict[str, Any]) -> None:
     """Time both kernels on a scene, and print a row."""
-    runs = {"new": Run(new), "old": Run(old)}
+    runs = {"new": Run(new_side), "old": Run(old_side)}
     equal = runs["new"].expected == runs["old"].expected
     timings = common.interleave(runs, ROUNDS)
     ratios = common.ratio(timings, "new", "old")
     times = {name: common.median([1e6 * value for value in timings[name]]) for name in runs}
-    one = runs["new"].evaluations() / runs["old"].evaluations()
+    evaluations = runs["new"].evaluations() / runs["old"].evaluations()
     pairs = zip(runs["new"].evaluations_of_many(), runs["old"].evaluations_of_many(), strict=True)
-    many = common.median([new / old for new, old in pairs])
-    shown = f"{scene:15}{times['old']:9.1f}{times['new']:9.1f}{ratios['median']:9.3f}{ratios['least']:9.3f}"
-    shown += f"{ratios['largest']:9.3f}{one:13.3f}{many:9.3f}"
-    print(f"{shown}  {'equal' if equal else 'different'}", flush=True)
+    many = common.median([new_count / old_count for new_count, old_count in pairs])
+    row_text = (
+        f"{scene:15}{times['old']:9.1f}{times['new']:9.1f}{ratios['median']:9.3f}{ratios['least']:9.3f}"
+    )
+    row_text += f"{ratios['largest']:9.3f}{evaluations:13.3f}{many:9.3f}"
+    print(f"{row_text}  {'equal' if equal else 'different'}", flush=True)
 
 
 def main() -> None:
@@ -131,13 +135,13 @@ def main() -> None:
     parser.add_argument("revision", help="any name that git has for a commit")
     commit = git("rev-parse", "--verify", f"{parser.parse_args().revision}^{{commit}}")
     with worktree(commit) as tree:
-        old = sides(tree)
-    new = sides(common.ROOT)
+        old_sides = sides(tree)
+    new_sides = sides(common.ROOT)
     titles = f"{'old [µs]':>9}{'new [µs]':>9}{'new/old':>9}{'least':>9}{'largest':>9}"
     titles += f"{'evaluations':>13}{'of many':>9}"
     print(f"{'scene':15}{titles}  bytes")
-    for scene in new:
-        compare(scene, new[scene], old[scene])
+    for scene in new_sides:
+        compare(scene, new_sides[scene], old_sides[scene])
 
 
 if __name__ == "__main__":

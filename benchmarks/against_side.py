@@ -23,7 +23,7 @@ try:
 except ImportError:  # an older commit
     from chain_impact.variables.model import Model as PreparedScene  # type: ignore
 
-VARIED = 60  # number of further motions of each scene, with other angles at the start
+MOTION_COUNT = 60  # number of further motions of each scene, with other angles at the start
 
 
 def chain(height: float) -> Scene:
@@ -68,9 +68,9 @@ def scenes() -> dict[str, tuple[Scene, float]]:
 
 
 def varied(scene: Scene) -> list[Scene]:
-    """Return VARIED copies of the scene whose angles at the start differ by about 0.02 rad."""
+    """Return MOTION_COUNT copies of the scene whose angles at the start differ by about 0.02 rad."""
     angles, chance = np.asarray(scene.initial.angles), np.random.default_rng(0)
-    changes = 0.02 * chance.standard_normal((VARIED, len(angles)))
+    changes = 0.02 * chance.standard_normal((MOTION_COUNT, len(angles)))
     return [with_values(scene, {("initial", "angles"): tuple(angles + change)}) for change in changes]
 
 
@@ -82,7 +82,7 @@ def main() -> None:
         next(f for f in SIGNATURES if f.startswith(verb)) for verb in ("initialize", "advance", "observe")
     ]
     for name, (scene, stop) in scenes().items():
-        block, *others = (PreparedScene(start).new_instance() for start in (scene, *varied(scene)))
+        block, *other_blocks = (PreparedScene(start).new_instance() for start in (scene, *varied(scene)))
         fields: Any = block.dtype.fields
         places = [fields[record][:2] for record in ("output", "statistics")]
         counts, offset = fields["statistics"][:2]
@@ -91,7 +91,7 @@ def main() -> None:
             "functions": functions,
             "library": str(kernel_library(len(scene.chain.links))),
             "instance": block.tobytes(),
-            "varied": [other.tobytes() for other in others],
+            "varied": [other_block.tobytes() for other_block in other_blocks],
             "compared": [(begin, begin + kind.itemsize) for kind, begin in places],
             "evaluations": offset + counts.fields["rhs_evaluations"][1],
         }

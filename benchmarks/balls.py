@@ -33,12 +33,12 @@ class Matrix:
         radius = np.array([[float(entry.rad()) for entry in row] for row in rows])
         return cls(middle, (radius + ROUND_OFF * np.abs(middle)) * (1 + ROUND_OFF))
 
-    def __matmul__(self, other: Matrix) -> Matrix:
+    def __matmul__(self, factor: Matrix) -> Matrix:
         """Return the product, with a bound on round-off."""
         size = np.abs(self.middle)
-        spread = size @ other.radius + self.radius @ other.size
-        spread += len(other.middle) * ROUND_OFF * (size @ np.abs(other.middle))
-        return Matrix(self.middle @ other.middle, spread * SLACK + TINY)
+        spread = size @ factor.radius + self.radius @ factor.size
+        spread += len(factor.middle) * ROUND_OFF * (size @ np.abs(factor.middle))
+        return Matrix(self.middle @ factor.middle, spread * SLACK + TINY)
 
     def solve(self, right: Matrix) -> Matrix:
         """Return Y with A Y = R, where A is this matrix and R is ``right``.
@@ -48,8 +48,8 @@ class Matrix:
         Raises:
             RefusalError: when this formula does not bound Y.
         """
-        near = Matrix(np.linalg.inv(self.middle))
-        first, rest = near @ right, near @ self
+        inverse = Matrix(np.linalg.inv(self.middle))
+        first, rest = inverse @ right, inverse @ self
         left = np.abs(rest.middle - np.eye(len(rest.middle))) + rest.radius + ROUND_OFF
         share = float(left.sum(axis=1).max()) * SLACK
         if not share < 0.9:

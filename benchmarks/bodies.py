@@ -3,7 +3,7 @@
 ``python -m benchmarks bodies``. The brick bounces on its two lower corners. In one scene all four corners are
 points of its link; in the other only the two lower ones touch, as the ends of the link, which lies along the
 bottom. The motion and its contacts are the same in both. So the ratio of the times is the cost of points
-beside the line of a link, and of corners that might touch.
+that are not on the line of a link, and of corners that might touch.
 """
 
 from __future__ import annotations
@@ -54,7 +54,8 @@ def compared(friction: float, rounds: int) -> dict[str, Any]:
         "friction": friction,
         "contacts": contacts[ENDS],
         "microseconds a contact": {
-            name: common.spread([1e6 * one / contacts[name] for one in timings[name]]) for name in runs
+            name: common.spread([1e6 * seconds / contacts[name] for seconds in timings[name]])
+            for name in runs
         },
         "times as long": common.ratio(timings, CORNERS, ENDS),
     }

@@ -49,7 +49,7 @@ def calls(tolerance: float) -> dict[str, Callable[[], object]]:
     scene = load_scene("four_link_box").with_values(settings)
     value = scene.values[NAME]
     values = [value + 1e-9 * k for k in range(RUNS)]
-    others = iter(values * RUNS)
+    other_values = iter(values * RUNS)
     return {
         "sweep": lambda: sweep(scene, {NAME: values}, threads=1),
         "a row each ms, all outputs": lambda: simulate(scene, output_step=ROW),
@@ -57,7 +57,7 @@ def calls(tolerance: float) -> dict[str, Callable[[], object]]:
         "a row each ms, no output": lambda: simulate(scene, output_step=ROW, output=[]),
         "two rows": lambda: simulate(scene, output_step=math.inf),
         "two rows of with_values": lambda: simulate(
-            scene.with_values({NAME: next(others)}), output_step=math.inf
+            scene.with_values({NAME: next(other_values)}), output_step=math.inf
         ),
     }
 
@@ -116,14 +116,14 @@ def main() -> None:
     rounds, started, results = common.rounds(__doc__, ROUNDS), common.environment(), {}
     for tolerance in TOLERANCES:
         timings = common.interleave(calls(tolerance), rounds)
-        timings["sweep"] = [one / RUNS for one in timings["sweep"]]
+        timings["sweep"] = [seconds / RUNS for seconds in timings["sweep"]]
         ratios = {name: common.ratio(timings, name, "sweep") for name in timings if name != "sweep"}
         results[f"times a run in a sweep, tolerance {tolerance:g}"] = ratios
     with tempfile.TemporaryDirectory() as folder:
         timings = common.interleave(steps(Path(folder)), rounds)
     count = round(STOP / ROW)
     results["CPU microseconds a step in FMPy"] = {
-        name: common.spread([1e6 * one / count for one in found]) for name, found in timings.items()
+        name: common.spread([1e6 * seconds / count for seconds in times]) for name, times in timings.items()
     }
     for name, value in results.items():
         print(f"{name}: {value}")

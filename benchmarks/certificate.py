@@ -26,7 +26,7 @@ ORDER = 12  # degree of the Taylor polynomials in a part of a step
 # numbers of parts of a step; the next number is tried as long as the verdict on a candidate is UNDECIDED
 PARTS = (2, 6, 18, 54, 162)
 # factor of the step's length up to which the search for an event marked at the end of the step continues
-BEYOND = 1.01
+END_OF_SEARCH = 1.01
 # margins of the logarithmic norm above the largest Re λ of the Jacobian, multiplied by the length of a step
 MARGINS = (0.3, 1.0, 3.0, 10.0)
 TUBE, WIDEST = 1e-4, 0.1  # radius of the tube: first trial value, and an upper bound
@@ -43,11 +43,11 @@ class Linear:
     def __init__(self, step: Step, values: Row) -> None:
         """Compute the rate in the box, and differentiate the residual with respect to each variable."""
         ctx.cap = 2
-        unit, nothing = step.unit, [arb_series([0], 2)] * len(values)
+        unit, zeros = step.unit, [arb_series([0], 2)] * len(values)
         z = [arb_series([value], 2) for value in values]
         inertia = Matrix.of(step.inertia(values))
         self.inertia = Matrix(*(part * unit[:, None] / unit for part in (inertia.middle, inertia.radius)))
-        left = step.residual(z, nothing, step.active)[0]
+        left = step.residual(z, zeros, step.active)[0]
         rate = self.inertia.solve(
             Matrix.of([[-row[0] * float(u)] for row, u in zip(left, unit, strict=True)])
         )
@@ -74,16 +74,16 @@ class Part:
     def __init__(self, step: Step, low: float, high: float) -> None:
         """Expand the functions in Taylor polynomials."""
         self.low, self.high, self.middle = low, high, 0.5 * (low + high)
-        whole = arb(low).union(arb(high))
-        self.radius = _upper(whole - self.middle)
-        found, asked = [], range(len(step.candidates))
-        for at in (arb(self.middle), whole):
+        interval = arb(low).union(arb(high))
+        self.radius = _upper(interval - self.middle)
+        expansions, candidates = [], range(len(step.candidates))
+        for at in (arb(self.middle), interval):
             z, rate = step.course(at, ORDER)
-            rows, gaps = step.residual(z, rate, asked)
-            found.append((rows, [step.phi(c, z, gaps[c]) for c in asked]))
+            rows, gaps = step.residual(z, rate, candidates)
+            expansions.append((rows, [step.phi(c, z, gaps[c]) for c in candidates]))
         self.values = [series[0] for series in z]
-        (thin, courses), (wide, wide_courses) = found
-        joined = zip(thin, wide, step.unit, strict=True)
+        (terms, courses), (remainders, wide_courses) = expansions
+        joined = zip(terms, remainders, step.unit, strict=True)
         self.defects = Matrix.of([[float(u) * entry for entry in _joined(a, b)] for a, b, u in joined])
         self.courses = [tuple(map(_joined, a, b)) for a, b in zip(courses, wide_courses, strict=True)]
 
@@ -98,14 +98,14 @@ class Part:
         return value
 
 
-def _joined(thin: Any, wide: Any) -> Row:
+def _joined(series: Any, remainder_series: Any) -> Row:
     """Return the terms of a Taylor polynomial with Lagrange's remainder, the last term.
 
-    ``thin`` is the series about the middle of a part, ``wide`` that about the ball of all places.
+    ``series`` is about the middle of a part, ``remainder_series`` about the ball of all places.
     """
-    if min(thin.prec, wide.prec) <= ORDER:
+    if min(series.prec, remainder_series.prec) <= ORDER:
         raise RefusalError("a force is not smooth")
-    return [*(thin[k] for k in range(ORDER)), wide[ORDER]]
+    return [*(series[k] for k in range(ORDER)), remainder_series[ORDER]]
 
 
 def _upper(ball: arb) -> float:
@@ -129,7 +129,9 @@ class Certificate:
         """
         self.step, self.tube, self.error = step, TUBE, math.inf
         self._choose_norm()
-        ends = np.linspace(0.0, step.kept, count + 1).tolist() + [BEYOND * step.kept] * bool(step.marked)
+        ends = np.linspace(0.0, step.kept, count + 1).tolist() + [END_OF_SEARCH * step.kept] * bool(
+            step.marked
+        )
         self.parts: list[Part] = []
         self._bound(list(pairwise(ends)))
         self.verdicts = [self._decide(c) for c in range(len(step.candidates))]
@@ -139,18 +141,18 @@ class Certificate:
         step = self.step
         places = [arb(share * step.kept) for share in (0.5, 0.0, 1.0)]
         sample = [Linear(step, [z[0] for z in step.course(x, 0)[0]]) for x in places]
-        found = [linear.jacobian.middle * (step.size * step.kept) for linear in sample]
-        one, best = np.eye(len(step.unit)), math.inf
-        edge = float(np.linalg.eigvals(found[0]).real.max())
+        jacobians = [linear.jacobian.middle * (step.size * step.kept) for linear in sample]
+        identity, best = np.eye(len(step.unit)), math.inf
+        edge = float(np.linalg.eigvals(jacobians[0]).real.max())
         for margin in MARGINS:
-            shifted = found[0] - (edge + margin) * one
-            root = cholesky(solve_continuous_lyapunov(shifted.T, -one))
-            turned = [root @ jacobian @ np.linalg.inv(root) for jacobian in found]
-            growth = max(eigh(each + each.T)[0][-1] for each in turned)
+            shifted = jacobians[0] - (edge + margin) * identity
+            root = cholesky(solve_continuous_lyapunov(shifted.T, -identity))
+            transformed = [root @ jacobian @ np.linalg.inv(root) for jacobian in jacobians]
+            growth = max(eigh(matrix + matrix.T)[0][-1] for matrix in transformed)
             if growth < best:
-                best, chosen = growth, eigh(turned[0] + turned[0].T)[1].T @ root
-        self.to_norm = Matrix(chosen)
-        self.from_norm = self.to_norm.solve(Matrix(one))
+                best, transformation = growth, eigh(transformed[0] + transformed[0].T)[1].T @ root
+        self.to_norm = Matrix(transformation)
+        self.from_norm = self.to_norm.solve(Matrix(identity))
         self.reach = np.linalg.norm(self.from_norm.size, axis=1) / step.unit * SLACK
         self.reference = Matrix((sample[0].inertia @ self.from_norm).middle)
 
@@ -181,16 +183,20 @@ class Certificate:
         The bound on µ holds on the tube.
         """
         reach = self.tube * self.reach
-        box = [value + arb(0, float(far)) for value, far in zip(part.values, reach, strict=True)]
+        box = [value + arb(0, float(margin)) for value, margin in zip(part.values, reach, strict=True)]
         linear = Linear(self.step, box)
-        near = self.reference.solve(part.defects)
+        scaled_defects = self.reference.solve(part.defects)
         length = (part.high - part.low) * self.step.size
-        size = float(np.linalg.norm(near.size @ np.power(part.radius, np.arange(ORDER + 1)))) * length
+        size = (
+            float(np.linalg.norm(scaled_defects.size @ np.power(part.radius, np.arange(ORDER + 1)))) * length
+        )
         rest = (self.to_norm @ linear.inertia.solve(self.reference)).size
         size *= math.sqrt(rest.sum(axis=0).max() * rest.sum(axis=1).max()) * SLACK
-        turned = self.to_norm @ linear.jacobian @ self.from_norm
-        aside = 0.5 * (np.abs(turned.middle + turned.middle.T) + turned.radius + turned.radius.T)
-        np.fill_diagonal(aside, turned.middle.diagonal() + turned.radius.diagonal())
+        transformed = self.to_norm @ linear.jacobian @ self.from_norm
+        aside = 0.5 * (
+            np.abs(transformed.middle + transformed.middle.T) + transformed.radius + transformed.radius.T
+        )
+        np.fill_diagonal(aside, transformed.middle.diagonal() + transformed.radius.diagonal())
         growth = float(aside.sum(axis=1).max()) * length + 1e-9
         if not (size < WIDEST and growth < FASTEST):
             raise RefusalError("the bound grows too fast")
@@ -202,19 +208,19 @@ class Certificate:
         φ is the event function of candidate ``c``.
         """
         step, n = self.step, self.step.free
-        far = self.error * self.reach
+        margins = self.error * self.reach
         point, stop, nx, ny = step.candidates[c]
         arms = np.array([abs(float(arm)) for arm in step.arms[point]])
         if stop:
             arms = step.lever * np.isin(np.arange(step.links), (point - 1, point - 2))
-        turn, spin = far[step.first : n], far[n + step.first : 2 * n]
+        turn, spin = margins[step.first : n], margins[n + step.first : 2 * n]
         speeds = [[_upper(w) for w in part.values[n + step.first : 2 * n]] for part in self.parts]
-        fast = np.max(speeds, axis=0)
-        gap, rate = arms @ turn, arms @ (spin + (0 if stop else (fast + spin) * turn))
+        fastest_rates = np.max(speeds, axis=0)
+        gap, rate = arms @ turn, arms @ (spin + (0 if stop else (fastest_rates + spin) * turn))
         if step.first and not stop:
-            gap += abs(nx) * far[0] + abs(ny) * far[1]
-            rate += abs(nx) * far[n] + abs(ny) * far[n + 1]
-        return float(far[-1] if c == step.regularized_candidate else gap) * SLACK, float(rate) * SLACK
+            gap += abs(nx) * margins[0] + abs(ny) * margins[1]
+            rate += abs(nx) * margins[n] + abs(ny) * margins[n + 1]
+        return float(margins[-1] if c == step.regularized_candidate else gap) * SLACK, float(rate) * SLACK
 
     def _decide(self, c: int) -> str:
         """Return the verdict on candidate c: whether its event function falls through zero in the step.
@@ -224,40 +230,43 @@ class Certificate:
         balls = [arb(0, size) for size in self.spread(c)]
         parts = [part for part in self.parts if c in self.step.marked or part.high <= self.step.kept]
         waiting = [(part, part.low, part.high, 0) for part in reversed(parts)]
-        # above: the event function is known to be positive at the start of the interval; falling: it was
-        # positive before, has fallen up to this start, and its sign there is not known
-        above, falling = False, False
+        # is_positive: the event function is known to be positive at the start of the interval; may_fall: it
+        # was positive before, has fallen up to this start, and its sign there is not known
+        is_positive, may_fall = False, False
         while waiting:
             part, low, high, depth = waiting.pop()
             terms = part.courses[c]
-            phi, rate = (part.range_of(one, low, high) + ball for one, ball in zip(terms, balls, strict=True))
+            phi, rate = (
+                part.range_of(polynomial, low, high) + ball
+                for polynomial, ball in zip(terms, balls, strict=True)
+            )
             start, end = (part.range_of(terms[0], x, x) + balls[0] for x in (low, high))
             if phi > 0:
-                above, falling = True, False
-            elif rate > 0 and not falling:
-                above = bool(end > 0)
-            elif rate < 0 and (falling or above or start > 0):
+                is_positive, may_fall = True, False
+            elif rate > 0 and not may_fall:
+                is_positive = bool(end > 0)
+            elif rate < 0 and (may_fall or is_positive or start > 0):
                 if end < 0:
                     return ONE_EVENT
-                above, falling = bool(end > 0), not end > 0
+                is_positive, may_fall = bool(end > 0), not end > 0
             elif depth < DEEPEST:
                 middle = 0.5 * (low + high)
                 waiting += [(part, middle, high, depth + 1), (part, low, middle, depth + 1)]
             else:
                 return UNDECIDED
-        return UNDECIDED if falling else NO_EVENT
+        return UNDECIDED if may_fall else NO_EVENT
 
 
 def certify(step: Step) -> tuple[list[str], Certificate | str]:
     """Return the verdicts on all candidates, and the certificate or the reason why it does not exist."""
-    found: Certificate | str = ""
+    result: Certificate | str = ""
     for count in PARTS:
         try:
-            found = Certificate(step, count)
+            result = Certificate(step, count)
         except RefusalError as refusal:
-            found = str(refusal)
+            result = str(refusal)
         except (ValueError, ZeroDivisionError, np.linalg.LinAlgError):
-            found = "a force is not smooth"
-        if not isinstance(found, str) and UNDECIDED not in found.verdicts:
+            result = "a force is not smooth"
+        if not isinstance(result, str) and UNDECIDED not in result.verdicts:
             break
-    return [UNDECIDED] * len(step.candidates) if isinstance(found, str) else found.verdicts, found
+    return [UNDECIDED] * len(step.candidates) if isinstance(result, str) else result.verdicts, result

@@ -50,22 +50,22 @@ KINDS = (0, SLANTED, SPRUNG, FOLDED, TAUT, UNEVEN, STOPPED, RUBBED, DRIVEN)
 CALLS = 600  # largest number of evaluations of the equations for a solution
 # [m, or of u] an event function that falls farther below zero is that of a missed event; the solution has an
 # error of about 1e-10
-HIDDEN = 1e-8
+MISSED_DEPTH = 1e-8
 
 
 def missing(d: Any) -> str:
     """Return the feature of the last step that the certificate lacks, in words; "" if it lacks none."""
     course, touch = d["inputs"]["piece"], d["contacts"]
-    varied = [course[name][1:] for name in course.dtype.names if name.startswith(("joint_", "tip_"))]
+    varying_parts = [course[name][1:] for name in course.dtype.names if name.startswith(("joint_", "tip_"))]
     active = touch["active_index"][: touch["active_count"]]
-    drawn = (d["law"]["approach_only"] & (d["law"]["friction"] > 0.0))[active]
+    has_drag = (d["law"]["approach_only"] & (d["law"]["friction"] > 0.0))[active]
     reasons = {
         "points held by rigid walls": touch["active_count"] > touch["force_law_count"],
         "what sticks by dry friction": d["friction"]["stuck_count"] > 0,
-        "dry friction of laws that damp on approach only": drawn.any(),
+        "dry friction of laws that damp on approach only": has_drag.any(),
         "rotors of drives": d["chain"]["has_armatures"],
         "moving base or walls": d["channel_count"] > 0 and d["channel"]["piece"][1:].any(),
-        "inputs that vary in a step": course["degree"] > 0 and any(part.any() for part in varied),
+        "inputs that vary in a step": course["degree"] > 0 and any(part.any() for part in varying_parts),
         "contact law of the user": USER_LAW in d["law"]["number"],
     }
     return next((name for name, present in reasons.items() if present), "")
@@ -103,10 +103,12 @@ def least(step: Step, candidates: list[int]) -> list[float]:
         gaps = step.residual(series, series, {*candidates, *step.active})[1]
         return [float(step.phi(c, series, gaps[c])[0][0].mid()) for c in candidates]
 
-    start = [float(one[0].mid()) for one in step.course(arb(0), 0)[0]]
+    start = [float(series[0].mid()) for series in step.course(arb(0), 0)[0]]
     try:
-        found = solve_ivp(rate, (0.0, step.kept), start, "DOP853", rtol=1e-11, atol=1e-12, dense_output=True)
-        values = [phi(found.sol(x)) for x in np.linspace(0.0, step.kept, 200)]
+        solution = solve_ivp(
+            rate, (0.0, step.kept), start, "DOP853", rtol=1e-11, atol=1e-12, dense_output=True
+        )
+        values = [phi(solution.sol(x)) for x in np.linspace(0.0, step.kept, 200)]
         return [float(low) for low in np.min(values, axis=0)]
     except (StopIteration, ValueError):
         return [np.nan] * len(candidates)
@@ -119,32 +121,34 @@ def look(d: Any, count: Counter[str]) -> None:
         count[f"without {reason}"] += 1
         return
     step = Step(d)
-    verdicts, found = certify(step)
+    verdicts, certificate = certify(step)
     for c, verdict in enumerate(verdicts):
         count[verdict] += 1
         count["faults"] += verdict == NO_EVENT and c in step.marked
-    open_ones = [c for c, one in enumerate(verdicts) if one != NO_EVENT and c not in step.marked]
+    open_ones = [c for c, verdict in enumerate(verdicts) if verdict != NO_EVENT and c not in step.marked]
     for c, depth in zip(open_ones, least(step, open_ones) if open_ones else [], strict=True):
-        count["faults"] += int(depth < -(HIDDEN if verdicts[c] == UNDECIDED else HARMLESS_DEPTH * step.lever))
+        count["faults"] += int(
+            depth < -(MISSED_DEPTH if verdicts[c] == UNDECIDED else HARMLESS_DEPTH * step.lever)
+        )
         count["undecided, without a solution"] += int(np.isnan(depth))
-    if UNDECIDED in verdicts or isinstance(found, str):
-        count[f"undecided: {found if isinstance(found, str) else 'a candidate too near'}"] += 1
+    if UNDECIDED in verdicts or isinstance(certificate, str):
+        count[f"undecided: {certificate if isinstance(certificate, str) else 'a candidate too near'}"] += 1
     else:
         count["proven"] += 1
 
 
-def look_at_run(scene: Scene, most: int, count: Counter[str], shift: float = 0.5) -> None:
+def look_at_run(scene: Scene, most_steps: int, count: Counter[str], shift: float = 0.5) -> None:
     """Count the proofs for some steps of a run, evenly spaced and shifted by a share of their distance."""
     try:
         total = sum(1 for _ in steps(scene))
     except SimulationError:
         count["runs that cannot start"] += 1
         return
-    looked = min(most, total)
-    wanted = {int((k + shift) * total / looked) for k in range(looked)}
+    looked = min(most_steps, total)
+    places = {int((k + shift) * total / looked) for k in range(looked)}
     count["steps of runs"] += total
     for place, record in enumerate(steps(scene)):
-        if place in wanted:
+        if place in places:
             look(record, count)
 
 
@@ -162,18 +166,18 @@ def main() -> None:
         for tolerance in TOLERANCES:
             scene = load_scene(name).with_values({"solver.tolerance": tolerance})
             choices = (ALL, STEPS) if len(scene.chain.links) <= SHORT else (STEPS, STEPS_OF_LONG)
-            most = choices[tolerance != AIM]
+            most_steps = choices[tolerance != AIM]
             count: Counter[str] = Counter()
             since = time.process_time()
-            look_at_run(scene, 5 if quick else most, count)
+            look_at_run(scene, 5 if quick else most_steps, count)
             seconds = common.rounded(time.process_time() - since, 3)
             rows.append({"of": name, "tolerance": tolerance, "seconds": seconds, **count})
             print(rows[-1], flush=True)
-    found: dict[float, Counter[str]] = {tolerance: Counter() for tolerance in TOLERANCES}
+    counts: dict[float, Counter[str]] = {tolerance: Counter() for tolerance in TOLERANCES}
     for number in range(20 if quick else SCENES):
         tolerance, scene = random_scene(number)
-        look_at_run(scene, 1, found[tolerance], 0.618 * number % 1.0)
-    rows += [{"of": RANDOM, "tolerance": tolerance, **count} for tolerance, count in found.items()]
+        look_at_run(scene, 1, counts[tolerance], 0.618 * number % 1.0)
+    rows += [{"of": RANDOM, "tolerance": tolerance, **count} for tolerance, count in counts.items()]
     settings = {"steps of a run": STEPS, "of a long chain": STEPS_OF_LONG, "random scenes": SCENES}
     common.save("certified", started, settings, rows)
 

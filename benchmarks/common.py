@@ -34,7 +34,6 @@ def interleave(
     rounds: int = 7,
     span: float = 0.05,
     patience: float = 3.0,
-    fast: int = 1,
 ) -> Timings[Name]:
     """Return the times of several contenders, timed in turn, so that a busy moment of the machine hits all.
 
@@ -43,7 +42,6 @@ def interleave(
         rounds: the number of rounds; a contender is timed once in a round.
         span: shortest time that is measured at once [s]; a fast call is repeated to fill it.
         patience: a contender whose single call takes longer than this [s] is timed in two rounds only.
-        fast: factor of the rounds for a contender of which ten calls fit in the span.
     """
     repeats = {}
     for name, call in contenders.items():
@@ -53,10 +51,9 @@ def interleave(
             once = _seconds(call, max(1, repeats[name] // 10))
             repeats[name] = max(1, round(span / once))
     timings: Timings[Name] = {name: [] for name in contenders}
-    for turn in range(fast * rounds):
+    for turn in range(rounds):
         for name, call in contenders.items():
-            often = turn < rounds or repeats[name] >= 10
-            if turn < 2 or (often and timings[name][0] < patience):
+            if turn < 2 or timings[name][0] < patience:
                 timings[name].append(_seconds(call, repeats[name]))
     return timings
 
@@ -69,11 +66,11 @@ def _seconds(call: Callable[[], object], repeats: int) -> float:
     return (time.process_time() - start) / repeats
 
 
-def rounds(text: str | None, usual: int) -> int:
-    """Return the number of rounds: the usual number, or two if the command line has ``--quick``."""
+def rounds(text: str | None, default: int) -> int:
+    """Return the number of rounds: ``default``, or two if the command line has ``--quick``."""
     parser = argparse.ArgumentParser(description=text)
     parser.add_argument("--quick", action="store_true", help="two rounds")
-    return 2 if parser.parse_args().quick else usual
+    return 2 if parser.parse_args().quick else default
 
 
 def rounded(value: float, digits: int = 4) -> float:
@@ -164,8 +161,8 @@ def picture(
 
 
 def _git(*arguments: str) -> str:
-    done = subprocess.run(["git", *arguments], cwd=ROOT, capture_output=True, text=True, check=False)
-    return done.stdout.rstrip()
+    process = subprocess.run(["git", *arguments], cwd=ROOT, capture_output=True, text=True, check=False)
+    return process.stdout.rstrip()
 
 
 def _version(package: str) -> str:

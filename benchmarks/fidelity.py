@@ -16,7 +16,7 @@ import numpy as np
 from matplotlib.ticker import LogLocator
 
 from benchmarks import common
-from benchmarks.looks import HALO, OURS, WIDTH
+from benchmarks.looks import HALO, OUR_COLOUR, WIDTH
 from benchmarks.peers.ours import Kernel
 from benchmarks.problems import DEFAULT, PROBLEMS, STEEL
 from benchmarks.race import judge
@@ -53,12 +53,12 @@ def scene_with(changes: Mapping[Any, Any], tolerance: float) -> Scene:
 
 def choices() -> list[tuple[dict[str, Any], Scene]]:
     """Return the compared choices, each with a description and a scene."""
-    found = []
+    choice_list = []
     for stiffness in STIFFNESSES:
         for tolerance in TOLERANCES:
             about = {"choice": GRID, "law": LAW, "stiffness": stiffness}
             scene = scene_with({("contact", "stiffness"): stiffness}, tolerance)
-            found.append(({**about, "tolerance": tolerance}, scene))
+            choice_list.append(({**about, "tolerance": tolerance}, scene))
     first = simulate(scene_with({}, TIGHT), stop_time=0.6).impacts[0]
     for law in CONTACT_LAWS:
         if law == LAW:
@@ -66,7 +66,7 @@ def choices() -> list[tuple[dict[str, Any], Scene]]:
         changes = law_values(scene_with({}, TIGHT), law, first)
         stiffness = changes.get(("contact", "stiffness"), STEEL)
         about = {"choice": "law", "law": law, "stiffness": stiffness, "tolerance": TIGHT}
-        found.append((about, scene_with(changes, TIGHT)))
+        choice_list.append((about, scene_with(changes, TIGHT)))
     plain = {"law": LAW, "stiffness": STEEL, "tolerance": TIGHT}
     start = PROBLEM.base.initial
     for name, path, value in (
@@ -75,17 +75,17 @@ def choices() -> list[tuple[dict[str, Any], Scene]]:
         ("first angular velocity", ("initial", "angular_velocities", 0), start.angular_velocities[0]),
     ):
         scene = scene_with({path: value * (1 + WRONG_BY)}, TIGHT)
-        found.append(({"choice": "unknown", "what": name, **plain}, scene))
-    return found
+        choice_list.append(({"choice": "unknown", "what": name, **plain}, scene))
+    return choice_list
 
 
-def first_impact(scene: Scene, truth: np.void) -> dict[str, float | None]:
+def first_impact(scene: Scene, true_impact: np.void) -> dict[str, float | None]:
     """Return the quantities FIRST of the first impact, each divided by that of the true impact.
 
     The value is None for the force of an impulse, and for the speed after a contact that has not ended.
     """
     impact = simulate(scene, stop_time=0.6).impacts[0]
-    ratios = {name: float(impact[name] / truth[name]) for name in FIRST}
+    ratios = {name: float(impact[name] / true_impact[name]) for name in FIRST}
     return {
         name: common.rounded(ratio, 6) if math.isfinite(ratio) else None for name, ratio in ratios.items()
     }
@@ -94,7 +94,7 @@ def first_impact(scene: Scene, truth: np.void) -> dict[str, float | None]:
 def measure(rounds: int) -> list[dict[str, Any]]:
     """Return errors and costs of all choices at both times."""
     expected = common.load("reference")["results"][PROBLEM.name]
-    truth = simulate(scene_with({}, 1e-12), stop_time=0.6).impacts[0]
+    true_impact = simulate(scene_with({}, 1e-12), stop_time=0.6).impacts[0]
     rows = []
     for stop in PROBLEM.times:
         contenders = {}
@@ -103,7 +103,7 @@ def measure(rounds: int) -> list[dict[str, Any]]:
             row = {**about, "stop": stop, **judge(kernel.outcome(), PROBLEM, expected, stop)}
             rows.append(row)
             if "failed" not in row:
-                row |= {"first impact": first_impact(scene, truth), "number": place}
+                row |= {"first impact": first_impact(scene, true_impact), "number": place}
                 contenders[str(place)] = kernel.run
         timings = common.interleave(contenders, rounds, SPAN)
         for row in rows:
@@ -113,9 +113,9 @@ def measure(rounds: int) -> list[dict[str, Any]]:
             words = (
                 f"{stop} K = {row['stiffness']:.2e} {row['tolerance']:.0e} {row.get('what', row['law']):22}"
             )
-            seen = "" if row["right"] else ", other impacts"
+            remark = "" if row["right"] else ", other impacts"
             cost = f"{row['rhs']:5} rhs {1e6 * row['seconds']:5.0f} µs"
-            print(f"{words} {cost}  tip {row['tip']:.1e} mm{seen}", flush=True)
+            print(f"{words} {cost}  tip {row['tip']:.1e} mm{remark}", flush=True)
     return rows
 
 
@@ -131,9 +131,11 @@ def draw(figure: Any, record: dict[str, Any]) -> None:
         rows = [row for row in record["results"] if row["stop"] == stop and "seconds" in row]
         draw_stiffness(axes, strip, rows)
         draw_laws(axes, rows)
-        known = next(row["tip"] for row in rows if row.get("what") == "restitution")
-        for each in (axes, strip):
-            each.axhline(known, color="0.4", linestyle="--", linewidth=1, label="e wrong by 0.1 %", zorder=1)
+        reference = next(row["tip"] for row in rows if row.get("what") == "restitution")
+        for panel in (axes, strip):
+            panel.axhline(
+                reference, color="0.4", linestyle="--", linewidth=1, label="e wrong by 0.1 %", zorder=1
+            )
         axes.set(xlabel="CPU time [ms]", title=f"to {stop} s", ylim=(None, HOPELESS))
         axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 1.5, 2.0, 3.0, 5.0, 7.0)))
         axes.xaxis.set_major_formatter("{x:g}")
@@ -145,17 +147,17 @@ def draw(figure: Any, record: dict[str, Any]) -> None:
     panels[0].set_ylabel("error of the tip [mm]")
     rows = [row for row in record["results"] if "seconds" in row]
     default = [r for r in rows if (r["choice"], r["stiffness"], r["tolerance"]) == (GRID, STEEL, DEFAULT)]
-    wrong = min(
+    least_other = min(
         r["tip"] for r in rows if r["choice"] == "law" or (r["choice"] == GRID and r["stiffness"] != STEEL)
     )
-    most = max(row["tip"] for row in default)
+    largest_error = max(row["tip"] for row in default)
     parts = [
         f"{number_text(r['tip'], 1)} mm to {r['stop']} s, in {1e3 * r['seconds']:.1g} ms" for r in default
     ]
     write_headline(
         figure,
-        f"chain-impact at tolerance {number_text(DEFAULT)} errs by ≤ {number_text(most, 1)} mm; "
-        f"other laws or stiffnesses differ by ≥ {number_text(wrong, 1)} mm",
+        f"chain-impact at tolerance {number_text(DEFAULT)} errs by ≤ {number_text(largest_error, 1)} mm; "
+        f"other laws or stiffnesses differ by ≥ {number_text(least_other, 1)} mm",
         f"four_link_box: error {'; '.join(parts)} of CPU time  ·  "
         f"differ: from {LAW} with the stiffness of steel",
     )
@@ -179,7 +181,7 @@ def draw_stiffness(axes: Any, strip: Any, rows: list[dict[str, Any]]) -> None:
             errors[row["stiffness"]].append(row["tip"])
     heights = {stiffness: float(np.median(tips)) for stiffness, tips in errors.items()}
     groups: list[list[float]] = []
-    for stiffness in sorted(heights, key=lambda each: -heights[each]):
+    for stiffness in sorted(heights, key=lambda value: -heights[value]):
         if groups and heights[groups[-1][-1]] < NAMES_APART * heights[stiffness]:
             groups[-1].append(stiffness)
         else:
@@ -192,13 +194,15 @@ def draw_stiffness(axes: Any, strip: Any, rows: list[dict[str, Any]]) -> None:
         middle = math.exp(np.mean([math.log(heights[stiffness]) for stiffness in group]))
         name = f"K = {name}" if group is groups[0] else name
         strip.text(MARKS[1] + 0.08, middle, name, va="center", fontsize="small", color=INK, path_effects=HALO)
-    mine = [row for row in rows if (row["choice"], row["stiffness"]) == (GRID, STEEL)]
-    look = {"color": OURS, "marker": "o", "markersize": 4, "linewidth": 2.0, "zorder": 4}
+    steel_rows = [row for row in rows if (row["choice"], row["stiffness"]) == (GRID, STEEL)]
+    look = {"color": OUR_COLOUR, "marker": "o", "markersize": 4, "linewidth": 2.0, "zorder": 4}
     label = f"zhang_sharf, K = {number_text(STEEL)} N/m$^{{1.5}}$ (steel), with its tolerances"
-    axes.loglog([1e3 * row["seconds"] for row in mine], [row["tip"] for row in mine], label=label, **look)
-    for row in mine[1::2]:
+    axes.loglog(
+        [1e3 * row["seconds"] for row in steel_rows], [row["tip"] for row in steel_rows], label=label, **look
+    )
+    for row in steel_rows[1::2]:
         text = f"1e{math.log10(row['tolerance']):.0f}"
-        name_point(axes, f"tolerance {text}" if row is mine[3] else text, row, OURS)
+        name_point(axes, f"tolerance {text}" if row is steel_rows[3] else text, row, OUR_COLOUR)
 
 
 def draw_laws(axes: Any, rows: list[dict[str, Any]]) -> None:
@@ -208,7 +212,7 @@ def draw_laws(axes: Any, rows: list[dict[str, Any]]) -> None:
     axes.loglog(
         [1e3 * row["seconds"] for row in laws], [row["tip"] for row in laws], "kx", label=label, **look
     )
-    name_point(axes, (least := min(laws, key=lambda row: row["tip"]))["law"], least, "black")
+    name_point(axes, (best_row := min(laws, key=lambda row: row["tip"]))["law"], best_row, "black")
     for row in (row for row in rows if row.get("law") == RIGID):
         axes.loglog(1e3 * row["seconds"], row["tip"], "*", color=BLUE, markersize=11, label=RIGID)
 

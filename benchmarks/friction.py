@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks import common
-from benchmarks.looks import LIGHT_BLUE, OURS, WIDTH, name_curves, strong
+from benchmarks.looks import LIGHT_BLUE, OUR_COLOUR, WIDTH, name_curves, strong
 from benchmarks.peers.ours import Kernel
 from benchmarks.race import ROUNDS, Entries, above_loosest, race, seconds_at
 from chain_impact import simulate
@@ -79,8 +79,8 @@ def _planes(scene: Scene) -> str:
     planes = ""
     for name, wall in scene.half_planes.items():
         (nx, nz), back = wall.normal, wall.offset - RADIUS
-        own = scene.contact.wall[name].friction
-        friction = scene.contact.friction if own is None else own
+        wall_friction = scene.contact.wall[name].friction
+        friction = scene.contact.friction if wall_friction is None else wall_friction
         turn = math.degrees(math.atan2(nx, nz))
         place = f'pos="{nx * back} 0 {nz * back}" axisangle="0 1 0 {turn}"'
         planes += f'<geom type="plane" size="9 9 1" {place} friction="{friction} 0 0" {WALL}/>'
@@ -91,24 +91,24 @@ def _bodies(scene: Scene) -> str:
     """Return the links, each inside the one before."""
     links, points = scene.chain.links, {point for point, _ in candidates_of(scene)}
 
-    def ball(point: int, along: float) -> str:
+    def ball(point: int, x: float) -> str:
         if point not in points:
             return ""
-        return f'<geom type="sphere" size="{RADIUS}" pos="{along} 0 0" friction="0 0 0" {BALL} mass="0"/>'
+        return f'<geom type="sphere" size="{RADIUS}" pos="{x} 0 0" friction="0 0 0" {BALL} mass="0"/>'
 
-    inner = ball(len(links), links[-1].length)
+    body_text = ball(len(links), links[-1].length)
     for i in range(len(links) - 1, -1, -1):
         link = links[i]
         slides = "".join(f'<joint type="slide" axis="{axis}"/>' for axis in ("1 0 0", "0 0 1", "0 1 0"))
         dry = f'frictionloss="{link.joint_friction}"' if i and link.joint_friction else ""
         place = f"{links[i - 1].length} 0 0" if i else "0 0 0"
         inertia = " ".join([str(link.inertia)] * 3)
-        inner = (
+        body_text = (
             f'<body pos="{place}">{"" if i else slides}<joint type="hinge" axis="0 -1 0" {dry}/>'
             f'<inertial pos="{link.center_of_mass} 0 0" mass="{link.mass}" diaginertia="{inertia}"/>'
-            f"{ball(i, 0.0)}{inner}</body>"
+            f"{ball(i, 0.0)}{body_text}</body>"
         )
-    return inner
+    return body_text
 
 
 def model_text(scene: Scene, integrator: str, dt: float, contact: Contact) -> str:
@@ -159,9 +159,9 @@ class Engine:
 
 
 def drift(early: np.ndarray, late: np.ndarray, stop: float) -> dict[str, float]:
-    """Return the mean speed along the slope [µm/s] from SETTLED to ``stop``."""
-    moved = (late - early)[:2] @ (math.cos(SLOPE), -math.sin(SLOPE))
-    return {"drift": common.rounded(1e6 * abs(moved) / (stop - SETTLED))}
+    """Return ``drift``: the mean speed along the slope [µm/s] between states at SETTLED and at ``stop``."""
+    distance = (late - early)[:2] @ (math.cos(SLOPE), -math.sin(SLOPE))
+    return {"drift": common.rounded(1e6 * abs(distance) / (stop - SETTLED))}
 
 
 def stiffest(dt: float) -> Contact:
@@ -180,21 +180,21 @@ ON_THE_SLOPE: dict[str, Callable[[float], Contact]] = {
 
 def at_rest() -> Entries:
     """Return results of our kernel at some tolerances, also after an hour, and of MuJoCo's settings."""
-    found: dict[tuple[str, float], Any] = {}
+    entries: dict[tuple[str, float], Any] = {}
     for name, stop in (("ours", STOP), ("ours, an hour", HOUR)):
         for tolerance in TOLERANCES:
             scene = sled(**AT_REST | {"solver.tolerance": tolerance})
             early, kernel = Kernel(scene, SETTLED).outcome(), Kernel(scene, stop)
             late = kernel.outcome()
             figures = {"failed": late.failed} if late.failed else drift(early.state, late.state, stop)
-            found[name, tolerance] = kernel.run, figures
+            entries[name, tolerance] = kernel.run, figures
     for integrator in ("Euler", "RK4"):
         for name, contact in ON_THE_SLOPE.items():
             for dt in SLOPE_STEPS:
                 engine = Engine(sled(**AT_REST), integrator, dt, contact(dt))
                 figures = drift(engine.state(SETTLED), engine.state(STOP), STOP)
-                found[f"MuJoCo {integrator}, {name}", dt] = partial(engine.run, STOP), figures
-    return found
+                entries[f"MuJoCo {integrator}, {name}", dt] = partial(engine.run, STOP), figures
+    return entries
 
 
 # --- a thrown chain ---------------------------------------------------------------------------------------
@@ -214,43 +214,43 @@ def duration_of_ours() -> Contact:
 
 def throw(stop: float, rounds: int) -> list[dict[str, Any]]:
     """Return the errors at ``stop`` [s] against each program's own converged run, and the CPU times."""
-    found: dict[tuple[str, float], Any] = {}
+    entries: dict[tuple[str, float], Any] = {}
     scenes = {tolerance: thrown(**{"solver.tolerance": tolerance}) for tolerance in (FINE, *TOLERANCES)}
-    truth = Kernel(scenes[FINE], stop).outcome().state
+    expected = Kernel(scenes[FINE], stop).outcome().state
     for tolerance in TOLERANCES:
         kernel = Kernel(scenes[tolerance], stop)
-        found["ours", tolerance] = kernel.run, {"error": off(kernel.outcome().state, truth)}
+        entries["ours", tolerance] = kernel.run, {"error": largest_error(kernel.outcome().state, expected)}
     contacts = {"defaults": DEFAULTS, "defaults, noslip": NOSLIP, "duration of ours": duration_of_ours()}
     for integrator in ("Euler", "RK4"):
         for name, contact in contacts.items():
-            truth = Engine(thrown(), integrator, FINEST, contact).state(stop)
+            expected = Engine(thrown(), integrator, FINEST, contact).state(stop)
             for dt in THROWN_STEPS:
                 engine = Engine(thrown(), integrator, dt, contact)
-                error = off(engine.state(stop), truth)
+                error = largest_error(engine.state(stop), expected)
                 if not engine.unstable and error < UNSTABLE:
-                    found[f"MuJoCo {integrator}, {name}", dt] = partial(engine.run, stop), {"error": error}
-    rows = race(found, "ours", rounds, PATIENCE)
-    mine = [row for row in rows if row["name"] == "ours"]
+                    entries[f"MuJoCo {integrator}, {name}", dt] = partial(engine.run, stop), {"error": error}
+    rows = race(entries, "ours", rounds, PATIENCE)
+    our_rows = [row for row in rows if row["name"] == "ours"]
     for row in rows:
-        equal = seconds_at(row["error"], mine, "error")
+        equal = seconds_at(row["error"], our_rows, "error")
         row["times ours"] = equal and common.rounded(row["seconds"]["median"] / equal, 3)
     return rows
 
 
-def off(state: np.ndarray, truth: np.ndarray) -> float:
+def largest_error(state: np.ndarray, expected: np.ndarray) -> float:
     """Return the largest error of a component (m, rad, m/s, rad/s)."""
-    return common.rounded(np.abs(state - truth).max())
+    return common.rounded(np.abs(state - expected).max())
 
 
 # --- the chart ----------------------------------------------------------------------------------------------
 
 SIZE = (WIDTH, 4.4)  # [inch] of the chart
-LEAST = 1e-6  # [µm/s] smaller drifts are drawn here, at "none"
+LOWEST_DRIFT = 1e-6  # [µm/s] smaller drifts are drawn here, at "none"
 BREAK = 1e-5  # [µm/s] place of the line between "none" and the logarithmic scale
-CREEPS, SHOWN = "MuJoCo Euler, defaults", 1e-3  # the setting and the step [s] of the headline
+CREEPS, HEADLINE_STEP = "MuJoCo Euler, defaults", 1e-3  # the setting and the step [s] of the headline
 NOSLIP_NAME = "MuJoCo Euler, defaults, noslip"
 LOOKS = {
-    "ours": (OURS, "o"),
+    "ours": (OUR_COLOUR, "o"),
     CREEPS: (BLUE, "s"),
     NOSLIP_NAME: (GREEN, "v"),
     "MuJoCo Euler, defaults, impratio 100": (PLUM, "^"),
@@ -267,15 +267,15 @@ def draw(figure: Any, record: Any) -> None:
     results, panels = record["results"], figure.subplots(1, 3)
     for axes, (key, rows) in zip(panels, results.items(), strict=True):
         value = "drift" if key == "slope" else "error"
-        for name, drawn in LOOKS.items():
+        for name, look in LOOKS.items():
             if key != "slope" and name == NOSLIP_NAME:
                 continue  # its errors are those of the defaults
-            mine = [row for row in rows if row["name"] == name and "seconds" in row]
-            times = [1e3 * row["seconds"]["median"] for row in mine]
-            values = [max(row[value], LEAST) if key == "slope" else row[value] for row in mine]
+            named_rows = [row for row in rows if row["name"] == name and "seconds" in row]
+            times = [1e3 * row["seconds"]["median"] for row in named_rows]
+            values = [max(row[value], LOWEST_DRIFT) if key == "slope" else row[value] for row in named_rows]
             label = {"ours": "chain-impact"}.get(name, name.removeprefix("MuJoCo "))
             label = label.replace("duration of ours", "our duration")
-            axes.loglog(times, values, label=label, **strong(name == "ours", *drawn))
+            axes.loglog(times, values, label=label, **strong(name == "ours", *look))
         axes.set_xlabel("CPU time [ms]")
         axes.set_title(f"thrown chain, {key}" if key != "slope" else f"rod on a slope, {STOP:g} s")
         axes.minorticks_off()
@@ -284,7 +284,7 @@ def draw(figure: Any, record: Any) -> None:
     panels[2].sharey(panels[1])
     panels[2].tick_params(labelleft=False)
     panels[0].set_yticks(
-        [LEAST, 1e-4, 1e-2, 1.0, 1e2, 1e4], ["none", *(f"$10^{{{k}}}$" for k in (-4, -2, 0, 2, 4))]
+        [LOWEST_DRIFT, 1e-4, 1e-2, 1.0, 1e2, 1e4], ["none", *(f"$10^{{{k}}}$" for k in (-4, -2, 0, 2, 4))]
     )
     write_headline(figure, *headline(results))
     # below the lowest decade that is drawn, the axis is broken: "none" is not on the logarithmic scale
@@ -300,18 +300,18 @@ def headline(results: dict[str, list[dict[str, Any]]]) -> tuple[str, str]:
     creep = next(row["drift"] for row in results["slope"] if row["name"] == CREEPS)
     factors, errors = [], []
     for key in TIMES:
-        mine = [row for row in results[key] if row["name"] == "ours"]
+        our_rows = [row for row in results[key] if row["name"] == "ours"]
         for row in results[key]:
-            if (row["name"], row["setting"]) == (CREEPS, SHOWN) and row["times ours"]:
+            if (row["name"], row["setting"]) == (CREEPS, HEADLINE_STEP) and row["times ours"]:
                 factors.append(row["times ours"])
-                errors.append(above_loosest(row["error"], mine, "error"))
-    times, more = (f"{min(found):.2g} to {max(found):.2g} times" for found in (factors, errors))
+                errors.append(above_loosest(row["error"], our_rows, "error"))
+    time_text, error_text = (f"{min(values):.2g} to {max(values):.2g} times" for values in (factors, errors))
     return (
         f"chain-impact holds a rod on a slope, on which MuJoCo's defaults drift {creep / 1e3:.2g} mm/s",
         "Euler, RK4: MuJoCo, also with the duration of our contacts; noslip holds the rod, too  ·  "
         f"none: below {number_text(BREAK)} µm/s  ·  defaults, "
-        f"thrown chain: {times} the CPU time of our loosest run, and {more} the error, "
-        f"with steps of {1e3 * SHOWN:g} ms",
+        f"thrown chain: {time_text} the CPU time of our loosest run, and {error_text} the error, "
+        f"with steps of {1e3 * HEADLINE_STEP:g} ms",
     )
 
 

@@ -9,13 +9,14 @@ not act on the motion; the state of those of CVODE, named ``cvode_``, has the di
     int32 PREFIX_stop(instance*, double t, const double* y)       set the state at t, to be observed
     void  plain_rate(double t, const double* y, double* rate, instance*)
     void  plain_least(double t, const double* y, double* value, instance*)
-    int32 plain_switch(instance*, double* clock, double* y, int32* found)
-    void  plain_look(double* y, double* seen, instance*)
-    int32 plain_steps(instance*, double dt, int64 count, int32 euler, double* y, int32* found, double* limits)
+    int32 plain_switch(instance*, double* clock, double* y, int32* changes)
+    void  plain_look(double* y, double* extremes, instance*)
+    int32 plain_steps(instance*, double dt, int64 count, int32 euler, double* y, int32* changes,
+                      double* limits)
     int32 cvode_rate(instance*, const double* y, double* rate)
     int32 cvode_roots(instance*, int32 careful, const double* y, double* value)
-    int32 cvode_happen(instance*, double time, const double* y, const int32* found)
-    int32 cvode_look(instance*, const double* y, double* seen)
+    int32 cvode_happen(instance*, double time, const double* y, const int32* changes)
+    int32 cvode_look(instance*, const double* y, double* extremes)
     int32 cvode_weights(instance*, int32 careful, const double* y, double* weight)
 """
 
@@ -77,24 +78,24 @@ def rate_at(d, y, out):
 
 
 @compiled_function
-def happen(d, time, y, found):
-    """Let the found events take effect.
+def happen(d, time, y, changes):
+    """Let events take effect.
 
     Args:
         d: the instance.
         time: time of the events [s].
         y: state at this time.
-        found: for each candidate the sign of the change in clearance, then for each candidate −1 if its
+        changes: for each candidate the sign of the change in clearance, then for each candidate −1 if its
             contact latches again; 0 without an event.
     """
     d.step.end = time
     for j in range(len(y)):
         d.step.state_end[j] = y[j]
     for c in range(d.candidate_count):
-        kind = RELATCH if found[d.candidate_count + c] < 0 else NO_EVENT
-        if d.contacts.active[c] and found[c] > 0:
+        kind = RELATCH if changes[d.candidate_count + c] < 0 else NO_EVENT
+        if d.contacts.active[c] and changes[c] > 0:
             kind = CONTACT_ENDS
-        elif not d.contacts.active[c] and found[c] < 0:
+        elif not d.contacts.active[c] and changes[c] < 0:
             kind = ONSET
         d.contacts.event[c] = kind
     apply_events(d)
@@ -140,9 +141,9 @@ def least_event(d, y):
         sign = -1.0 if d.contacts.active[c] else 1.0
         if sign * gap < lowest:
             lowest, slope = sign * gap, sign * gap_rate
-        fast = RELATCH_RATIO * d.contacts.latched_speed[c] + gap_rate
-        if d.contacts.active[c] and fast < lowest:
-            lowest, slope = fast, 0.0
+        latch_margin = RELATCH_RATIO * d.contacts.latched_speed[c] + gap_rate
+        if d.contacts.active[c] and latch_margin < lowest:
+            lowest, slope = latch_margin, 0.0
     return lowest + CLEAR, slope
 
 
@@ -151,11 +152,11 @@ def least(_t, y, out, d):
     out[0], _ = least_event(d, vector(y, len(d.step.state) - PLAIN))
 
 
-def switch(d, clock, values, found):
+def switch(d, clock, values, changes):
     """Let the event at clock[0] [s] take effect, and propose the next step in clock[1] [s].
 
     A solver may find the root with a coarse tolerance in time: a step of Euler's method then leads from the
-    found time to the root. Returns the number of active contacts.
+    time of the solver to the root. Returns the number of active contacts.
     """
     y = vector(values, len(d.step.state) - PLAIN)
     value, slope = least_event(d, y)
@@ -172,19 +173,19 @@ def switch(d, clock, values, found):
         active = d.contacts.active[c]
         sign = -1.0 if active else 1.0
         falls = sign * gap_rate < 0.0 and sign * gap <= -sign * gap_rate * AT_ZERO + 1e-15
-        found[c] = (1 if active else -1) if falls else 0
-        fast = active and -gap_rate >= RELATCH_RATIO * d.contacts.latched_speed[c] * (1.0 - 1e-9)
-        found[d.candidate_count + c] = -1 if fast and not falls else 0
+        changes[c] = (1 if active else -1) if falls else 0
+        is_fast = active and -gap_rate >= RELATCH_RATIO * d.contacts.latched_speed[c] * (1.0 - 1e-9)
+        changes[d.candidate_count + c] = -1 if is_fast and not falls else 0
         if falls:
             hop = min(hop, abs(gap_rate) * HOP / 9.81)
     d.step.next_size = clock[1]
-    happen(d, clock[0], y, found)
+    happen(d, clock[0], y, changes)
     if d.contacts.active_count == 0:
         clock[1] = min(clock[1], hop)
         return 0
     clock[1] = d.step.next_size
     for c in range(d.candidate_count):
-        if found[c] < 0 and d.contacts.active[c]:
+        if changes[c] < 0 and d.contacts.active[c]:
             clock[1] = min(
                 clock[1], FIRST_STEP * d.contacts.expected_penetration[c] / d.contacts.latched_speed[c]
             )
@@ -195,7 +196,7 @@ def switch(d, clock, values, found):
 
 
 @compiled_function
-def looked_at(d, y):
+def energy_and_depths(d, y):
     """Return energy [J], largest penetration [m], and largest depth of points without a contact [m]."""
     locate_points(d, y)
     kinetic, potential = mechanical_energy(d, y)
@@ -209,20 +210,20 @@ def looked_at(d, y):
 
 
 @compiled_function
-def raise_seen(d, y, seen):
-    """Replace each of the three numbers in ``seen`` by the result of ``looked_at`` if this is larger."""
-    energy, deepest, outside = looked_at(d, y)
-    # an energy that is no number makes ``seen`` infinite, because max() could hide it
-    seen[0] = max(seen[0], energy) if np.isfinite(energy) else np.inf
-    seen[1], seen[2] = max(seen[1], deepest), max(seen[2], outside)
+def raise_extremes(d, y, extremes):
+    """Replace each of three numbers in ``extremes`` by that of ``energy_and_depths`` if this is larger."""
+    energy, deepest, outside = energy_and_depths(d, y)
+    # an energy that is no number makes ``extremes`` infinite, because max() could hide it
+    extremes[0] = max(extremes[0], energy) if np.isfinite(energy) else np.inf
+    extremes[1], extremes[2] = max(extremes[1], deepest), max(extremes[2], outside)
 
 
-def look(y, seen, d):
-    """Raise the numbers in ``seen`` to those of the state ``y`` (``raise_seen``)."""
-    raise_seen(d, vector(y, len(d.step.state) - PLAIN), seen)
+def look(y, extremes, d):
+    """Raise the numbers in ``extremes`` to those of the state ``y`` (``raise_extremes``)."""
+    raise_extremes(d, vector(y, len(d.step.state) - PLAIN), extremes)
 
 
-def steps(d, dt, count, euler, values, found, limits):  # noqa: PLR0917, compiled
+def steps(d, dt, count, euler, values, changes, limits):  # noqa: PLR0917, compiled
     """Take fixed steps of semi-implicit Euler or of RK4; a contact begins and ends at the end of a step.
 
     Args:
@@ -231,7 +232,7 @@ def steps(d, dt, count, euler, values, found, limits):  # noqa: PLR0917, compile
         count: the number of steps.
         euler: whether to take Euler's steps.
         values: state, changed in place.
-        found: room for ``happen``.
+        changes: room for ``happen``.
         limits: energy [J] and depth [m] at which the run stops. After the run, they are the highest energy
             and the largest depth in it or, if it has stopped, the last energy and the largest depth.
 
@@ -242,18 +243,18 @@ def steps(d, dt, count, euler, values, found, limits):  # noqa: PLR0917, compile
     y, z, stage = vector(values, size), d.scratch.state, d.scratch.stage
     highest, deepest = -np.inf, 0.0
     for step in range(count):
-        energy, deep, _ = looked_at(d, y)
+        energy, deep, _ = energy_and_depths(d, y)
         any_event = False
         for c in range(d.candidate_count):
             gap, gap_rate = clearance_and_rate(d, c)
             active = d.contacts.active[c]
-            found[c] = (1 if active else 0) if gap >= 0.0 else (0 if active else -1)
-            fast = active and gap < 0.0 and -gap_rate > RELATCH_RATIO * d.contacts.latched_speed[c]
-            found[d.candidate_count + c] = -1 if fast else 0
-            any_event = any_event or found[c] != 0 or fast
+            changes[c] = (1 if active else 0) if gap >= 0.0 else (0 if active else -1)
+            is_fast = active and gap < 0.0 and -gap_rate > RELATCH_RATIO * d.contacts.latched_speed[c]
+            changes[d.candidate_count + c] = -1 if is_fast else 0
+            any_event = any_event or changes[c] != 0 or is_fast
         if any_event:
-            happen(d, step * dt, y, found)
-            energy, _, _ = looked_at(d, y)
+            happen(d, step * dt, y, changes)
+            energy, _, _ = energy_and_depths(d, y)
         highest, deepest = max(highest, energy), max(deepest, deep)
         if not (energy <= limits[0] and deepest <= limits[1]):
             limits[0], limits[1] = energy, deepest
@@ -291,9 +292,9 @@ def cvode_rate(d, y, out):
     return 0
 
 
-def cvode_happen(d, time, y, found):
-    """Let the found events take effect (``happen``); return 0."""
-    happen(d, time, vector(y, len(d.step.state) - CVODE), found)
+def cvode_happen(d, time, y, changes):
+    """Let events take effect (``happen``); return 0."""
+    happen(d, time, vector(y, len(d.step.state) - CVODE), changes)
     return 0
 
 
@@ -317,9 +318,9 @@ def cvode_roots(d, careful, y, value):
     return 0
 
 
-def cvode_look(d, y, seen):
-    """Raise the numbers in ``seen`` to those of the state ``y`` (``raise_seen``); return 0."""
-    raise_seen(d, vector(y, len(d.step.state) - CVODE), seen)
+def cvode_look(d, y, extremes):
+    """Raise the numbers in ``extremes`` to those of the state ``y`` (``raise_extremes``); return 0."""
+    raise_extremes(d, vector(y, len(d.step.state) - CVODE), extremes)
     return 0
 
 
@@ -335,13 +336,13 @@ def cvode_weights(d, careful, y, weight):
         position = min(position, POSITION_ERROR * static_depth(d))
     for j in range(2 * n + 5):
         if j < n + 2:
-            allowed = position if j < 2 else position / d.chain.longest_link
+            allowed_error = position if j < 2 else position / d.chain.longest_link
             if not careful:
-                allowed += tolerance * abs(y[j])
+                allowed_error += tolerance * abs(y[j])
         else:
             scale = d.chain.longest_link if j < n + 4 else 1.0 if j < 2 * n + 4 else d.chain.energy_scale
-            allowed = tolerance * (scale + abs(y[j]))
-        weight[j] = 1.0 / allowed
+            allowed_error = tolerance * (scale + abs(y[j]))
+        weight[j] = 1.0 / allowed_error
     return 0
 
 
@@ -379,8 +380,8 @@ def digest(*sources: Path) -> str:
 
 def built(links: int) -> Path:
     """Return the library for a number of links, compiled if it is not cached."""
-    here, exact = Path(__file__), prebuilt.exact_scope(links)
-    name = f"{here.stem}-{digest(here)}"
+    source, scope = Path(__file__), prebuilt.exact_scope(links)
+    name = f"{source.stem}-{digest(source)}"
     program = "from benchmarks import kernel_model; "
 
     def write(file: Path) -> None:
@@ -388,7 +389,7 @@ def built(links: int) -> Path:
         subprocess.run([sys.executable, "-c", lower_file], cwd=common.ROOT, check=True)
 
     return get_or_make(
-        f"{name}-{exact or 'any'}.so", lambda file: link(get_or_make(f"{name}.ll", write), exact, file)
+        f"{name}-{scope or 'any'}.so", lambda file: link(get_or_make(f"{name}.ll", write), scope, file)
     )
 
 
@@ -405,12 +406,12 @@ def link(lowered_file: Path, links: compilers.KernelScope, library: Path) -> Non
 def load(links: int) -> ctypes.CDLL:
     """Return the library of the ``plain_`` functions, compiled if it is not cached."""
     model = ctypes.CDLL(str(built(links)))
-    pointer, real = ctypes.c_void_p, ctypes.c_double
+    pointer, double = ctypes.c_void_p, ctypes.c_double
     model.plain_start.argtypes = [pointer] * 2
-    model.plain_rate.argtypes = model.plain_least.argtypes = [real, *[pointer] * 3]
+    model.plain_rate.argtypes = model.plain_least.argtypes = [double, *[pointer] * 3]
     model.plain_rate.restype = model.plain_least.restype = model.plain_look.restype = None
     model.plain_switch.argtypes = [pointer] * 4
     model.plain_look.argtypes = [pointer] * 3
-    model.plain_steps.argtypes = [pointer, real, ctypes.c_int64, ctypes.c_int32, *[pointer] * 3]
-    model.plain_stop.argtypes = [pointer, real, pointer]
+    model.plain_steps.argtypes = [pointer, double, ctypes.c_int64, ctypes.c_int32, *[pointer] * 3]
+    model.plain_stop.argtypes = [pointer, double, pointer]
     return model

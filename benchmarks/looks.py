@@ -15,7 +15,7 @@ from matplotlib.transforms import Bbox
 from chain_impact.pictures.drawing import style
 from chain_impact.pictures.drawing.style import BLACK, BLUE, GREEN, PURPLE, VERMILLION
 
-OURS, LIGHT_BLUE = VERMILLION, "#56b4e9"
+OUR_COLOUR, LIGHT_BLUE = VERMILLION, "#56b4e9"
 STYLE = style.STYLE | {"axes.grid": True, "axes.titlesize": "medium"}
 WIDTH = 190.0 / 25.4  # [inch] of a chart: that of a printed page, so that its text has the size of pictures
 # Names at curves: OFFSETS: distances from a point [points]; CLEAR: enough distance from other curves [inch];
@@ -28,9 +28,9 @@ HALO = [withStroke(linewidth=3.0, foreground="white")]
 Place = tuple[Any, np.ndarray, np.ndarray, Bbox]
 """The place of a name: its axes, a point of its curve [pixels], shift [points] and rectangle [pixels]."""
 LOOKS = {
-    "chain-impact": (OURS, "o", "-"),
-    "chain-impact, FMU": (OURS, "s", "--"),
-    "kernel alone": (OURS, ".", ":"),
+    "chain-impact": (OUR_COLOUR, "o", "-"),
+    "chain-impact, FMU": (OUR_COLOUR, "s", "--"),
+    "kernel alone": (OUR_COLOUR, ".", ":"),
     "SciPy DOP853": (BLUE, "s", "-"),
     "numbalsoda DOP853": (GREEN, "D", "-"),
     "CVODE Adams": (PURPLE, "v", "-"),
@@ -44,9 +44,9 @@ def look(name: str) -> dict[str, Any]:
     return strong(name == "chain-impact", *LOOKS[name])
 
 
-def strong(ours: bool, colour: Any, marker: str, line: str = "-") -> dict[str, Any]:
-    """Return the style of a curve; that of ``ours`` is bolder than the others, and drawn above them."""
-    bold = {"linewidth": 2.4, "zorder": 3} if ours else {"linewidth": 1.2, "zorder": 2}
+def strong(is_ours: bool, colour: Any, marker: str, line: str = "-") -> dict[str, Any]:
+    """Return the style of a curve; our own is bolder than the others, and drawn above them."""
+    bold = {"linewidth": 2.4, "zorder": 3} if is_ours else {"linewidth": 1.2, "zorder": 2}
     return {"color": colour, "marker": marker, "linestyle": line, "markersize": 4.5, **bold}
 
 
@@ -57,13 +57,13 @@ def name_curves(figure: Any, panels: Sequence[Any]) -> None:
     must be there before, and the layout of the figure must not change after that.
     """
     lines = {line.get_label(): line for axes in panels for line in axes.lines}
-    wanted = {label for label in lines if not label.startswith("_")}
+    names = {label for label in lines if not label.startswith("_")}
     figure.draw_without_rendering()
-    while unnamed := sorted(wanted - free_places(panels, wanted).keys()):
+    while unnamed := sorted(names - free_places(panels, names).keys()):
         add_keys(figure, [lines[label] for label in unnamed])
-        wanted -= {*unnamed}
+        names -= {*unnamed}
         figure.draw_without_rendering()  # the keys need room, which moves the curves
-    places = free_places(panels, wanted)
+    places = free_places(panels, names)
     figure.set_layout_engine("none")
     look: dict[str, Any] = {"xycoords": "figure pixels", "textcoords": "offset points"}
     look |= {"ha": "center", "va": "center", "fontsize": "small", "in_layout": False, "path_effects": HALO}
@@ -82,21 +82,21 @@ def add_keys(figure: Any, lines: Sequence[Any]) -> None:
     figure.legend(handles=keys, loc="outside lower center", ncols=len(keys))
 
 
-def free_places(panels: Sequence[Any], wanted: Container[str]) -> dict[str, Place]:
-    """Return a place beside its curve for the name of each curve that has a free one.
+def free_places(panels: Sequence[Any], names: Container[str]) -> dict[str, Place]:
+    """Return a place for the name of each curve in ``names`` that has a free place beside it.
 
     A free place overlaps no text, bar or curve, and is nearer to its own curve than to others, by CLEAR or as
     much as possible at the least of the OFFSETS with a free place. Of equal places the first one is taken.
     """
     panel_curves = [[(line, samples(line)) for line in axes.lines] for axes in panels]
-    taken = [text.get_window_extent() for axes in panels for text in axes.texts]
-    taken += [bar for axes in panels for collection in axes.collections for bar in extents(collection)]
+    boxes = [text.get_window_extent() for axes in panels for text in axes.texts]
+    boxes += [bar for axes in panels for collection in axes.collections for bar in extents(collection)]
     panel_counts = Counter(line.get_label() for curves in panel_curves for line, _ in curves)
-    found: dict[str, Place] = {}
+    name_places: dict[str, Place] = {}
     for label in sorted(panel_counts, key=lambda name: (panel_counts[name], -len(name))):
-        for offset in OFFSETS if label in wanted else ():
+        for offset in OFFSETS if label in names else ():
             places = [
-                (min(CLEAR * axes.figure.dpi, clearance(place[3], line, curves, taken)), place)
+                (min(CLEAR * axes.figure.dpi, clearance(place[3], line, curves, boxes)), place)
                 for axes, curves in zip(panels, panel_curves, strict=True)
                 for line, points in curves
                 if line.get_label() == label
@@ -104,10 +104,10 @@ def free_places(panels: Sequence[Any], wanted: Container[str]) -> dict[str, Plac
             ]
             margin, place = max(places, key=lambda entry: entry[0], default=(0.0, None))
             if place is not None and margin > 0.0:
-                found[label] = place
-                taken.append(place[3])
+                name_places[label] = place
+                boxes.append(place[3])
                 break
-    return found
+    return name_places
 
 
 def extents(collection: Any) -> list[Bbox]:
@@ -129,20 +129,20 @@ def samples(line: Any) -> np.ndarray:
 
 
 def clearance(
-    box: Bbox, own_line: Any, curves: Iterable[tuple[Any, np.ndarray]], taken: Iterable[Bbox]
+    box: Bbox, own_line: Any, curves: Iterable[tuple[Any, np.ndarray]], boxes: Iterable[Bbox]
 ) -> float:
     """Return how much nearer a rectangle is to its own curve than to others [pixels].
 
-    The result is −infinity if the rectangle overlaps a curve or one of the rectangles ``taken``.
+    The result is −infinity if the rectangle overlaps a curve or one of the rectangles ``boxes``.
     """
     distances = {False: np.inf, True: np.inf}
     for line, points in curves:
         if len(points):
-            apart = np.maximum(np.maximum(box.min - points, points - box.max), 0.0)
+            gaps = np.maximum(np.maximum(box.min - points, points - box.max), 0.0)
             is_own = line is own_line
-            distances[is_own] = min(distances[is_own], float(np.hypot(*apart.T).min()))
-    least = OVERLAP * own_line.figure.dpi / 72.0
-    if min(distances.values()) < least or any(box.overlaps(other) for other in taken):
+            distances[is_own] = min(distances[is_own], float(np.hypot(*gaps.T).min()))
+    least_distance = OVERLAP * own_line.figure.dpi / 72.0
+    if min(distances.values()) < least_distance or any(box.overlaps(other_box) for other_box in boxes):
         return -np.inf
     return distances[False] - distances[True]
 

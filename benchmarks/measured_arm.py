@@ -27,7 +27,7 @@ from chain_impact.scene.scene import Scene, scene_from_dict
 
 FITTED, UNSEEN = "20230629-143601", "20230629-143524"
 SPAN, STEP = 0.5, 0.02  # [s] duration of a span, and communication step
-AROUND = 5  # a parabola through this number of samples on each side of a start gives the rates there
+HALF_WINDOW = 5  # a parabola through this number of samples on each side of a start gives the rates there
 KEYS = ("center_of_mass", "inertia", "joint_damping", "joint_friction")
 START, HIGHEST, SCALE = (0.2, 0.005, 0.01, 0.1), (1.0, 0.2, 0.5, 1.0), (0.1, 0.005, 0.02, 0.05)
 DRY = "joint_friction"
@@ -71,18 +71,18 @@ def read(file: Path, first: float = 0.5) -> list[Span]:
     spans = []
     for start in np.arange(first, time[-1] - SPAN - STEP, SPAN):
         at = int(np.searchsorted(time, start))
-        near, part = (
-            slice(at - AROUND, at + AROUND + 1),
+        window, part = (
+            slice(at - HALF_WINDOW, at + HALF_WINDOW + 1),
             slice(at, np.searchsorted(time, start + SPAN + STEP)),
         )
-        bend = np.polyfit(time[near] - time[at], angles[:, near].T, 2)
-        taken = angles[:, part].copy()
-        taken[:, 0] = bend[2]
-        spans.append(Span(time[part] - time[at], taken, torques[:, part], bend[1]))
+        bend = np.polyfit(time[window] - time[at], angles[:, window].T, 2)
+        part_angles = angles[:, part].copy()
+        part_angles[:, 0] = bend[2]
+        spans.append(Span(time[part] - time[at], part_angles, torques[:, part], bend[1]))
     return spans
 
 
-def off(
+def angle_errors(
     x: np.ndarray, span: Span, names: list[str], derivatives: bool = False
 ) -> tuple[np.ndarray, np.ndarray | None]:
     """Return the errors of both joint angles [rad] over a span if the parameters ``names`` have values ``x``.
@@ -103,8 +103,8 @@ def off(
     def joints(first: np.ndarray, second: np.ndarray) -> np.ndarray:
         return np.concatenate([first - first[0], second - first - (second[0] - first[0])])
 
-    seen = [np.interp(result.time, span.times, angle - angle[0]) for angle in span.angles]
-    errors = joints(result["link[1].angle"], result["link[2].angle"]) - np.concatenate(seen)
+    measured = [np.interp(result.time, span.times, angle - angle[0]) for angle in span.angles]
+    errors = joints(result["link[1].angle"], result["link[2].angle"]) - np.concatenate(measured)
     if not derivatives:
         return errors, None
     slopes = [[result.sensitivity(f"link[{i}].angle", name) for i in (1, 2)] for name in names]
@@ -113,9 +113,9 @@ def off(
     return errors, np.nan_to_num(np.stack([joints(*pair) for pair in slopes], axis=1))
 
 
-def all_off(x: np.ndarray, spans: list[Span], names: list[str]) -> np.ndarray:
+def all_angle_errors(x: np.ndarray, spans: list[Span], names: list[str]) -> np.ndarray:
     """Return errors over all spans [rad]."""
-    return np.concatenate([off(x, span, names)[0] for span in spans])
+    return np.concatenate([angle_errors(x, span, names)[0] for span in spans])
 
 
 def fitted(spans: list[Span], dry: bool) -> tuple[dict[str, dict[str, float]], np.ndarray]:
@@ -126,34 +126,34 @@ def fitted(spans: list[Span], dry: bool) -> tuple[dict[str, dict[str, float]], n
     def both(values: tuple[float, ...]) -> list[float]:
         return [values[k] for k in keys] * 2
 
-    found = least_squares(
-        all_off,
+    solution = least_squares(
+        all_angle_errors,
         both(START),
-        jac=lambda x, spans, names: np.concatenate([off(x, span, names, True)[1] for span in spans]),
+        jac=lambda x, spans, names: np.concatenate([angle_errors(x, span, names, True)[1] for span in spans]),
         args=(spans, names),
         x_scale=both(SCALE),
         bounds=(np.full(len(names), 1e-9), both(HIGHEST)),
     )
-    freedom = len(found.fun) - len(names)
-    covariance = np.linalg.inv(found.jac.T @ found.jac) * (found.fun @ found.fun) / freedom
+    freedom = len(solution.fun) - len(names)
+    covariance = np.linalg.inv(solution.jac.T @ solution.jac) * (solution.fun @ solution.fun) / freedom
     half = student.ppf(0.975, freedom) * np.sqrt(np.diag(covariance))
     table = {
         name: {"value": common.rounded(value, 3), "±": common.rounded(width, 2)}
-        for name, value, width in zip(names, found.x, half, strict=True)
+        for name, value, width in zip(names, solution.x, half, strict=True)
     }
-    return table, found.x
+    return table, solution.x
 
 
-def measure(known: list[Span], unseen: list[Span]) -> dict[str, Any]:
-    """Fit two models to ``known``, with dry friction and without; return title of the model → its results.
+def measure(fitted_spans: list[Span], unseen: list[Span]) -> dict[str, Any]:
+    """Fit models to ``fitted_spans``, with dry friction and without; return title of the model → its results.
 
-    The results are its parameters and its root mean square errors [rad] over ``known`` and over ``unseen``.
+    The results are parameters and root mean square errors [rad] over ``fitted_spans`` and over ``unseen``.
     """
     rows: dict[str, Any] = {}
     for title, dry in (("viscous and dry friction", True), ("viscous friction only", False)):
-        table, x = fitted(known, dry)
-        errors = (all_off(x, spans, list(table)) for spans in (known, unseen))
-        rms = [common.rounded(math.sqrt(float((one**2).mean())), 3) for one in errors]
+        table, x = fitted(fitted_spans, dry)
+        errors = (all_angle_errors(x, spans, list(table)) for spans in (fitted_spans, unseen))
+        rms = [common.rounded(math.sqrt(float((error**2).mean())), 3) for error in errors]
         rows[title] = {"parameters": table, "rms, fitted": rms[0], "rms, unseen": rms[1]}
     return rows
 

@@ -64,9 +64,9 @@ class Trials:
 def read(folder: Path) -> Trials:
     """Return the trials of the data set."""
     data = loadmat(folder / "data_ellipse.mat", simplify_cells=True)["data"]
-    turned = [-1.0, 1.0, 1.0]
-    before, after = (data[f"states_{name}"][:, 3:] * turned for name in "if")
-    return Trials(before, after, np.stack([data["n"][:, 2], -data["d"][:, 2]], axis=1))
+    signs = [-1.0, 1.0, 1.0]
+    velocities_before, velocities_after = (data[f"states_{name}"][:, 3:] * signs for name in "if")
+    return Trials(velocities_before, velocities_after, np.stack([data["n"][:, 2], -data["d"][:, 2]], axis=1))
 
 
 # --- as scenes --------------------------------------------------------------------------------------------
@@ -89,10 +89,10 @@ def ellipse() -> Scene:
 
 def values(trials: Trials) -> dict[str, np.ndarray]:
     """Return name of a value of the scene → its values, one for each trial."""
-    across, up = trials.arm.T
+    arm_x, arm_y = trials.arm.T
     names = ("initial.vx", "initial.vy", "initial.angular_velocity[1]")
-    found = {"link[1].length": np.hypot(across, up), "initial.angle[1]": np.arctan2(up, across)}
-    return found | {"initial.y": GAP - up} | dict(zip(names, trials.before.T, strict=True))
+    scene_values = {"link[1].length": np.hypot(arm_x, arm_y), "initial.angle[1]": np.arctan2(arm_y, arm_x)}
+    return scene_values | {"initial.y": GAP - arm_y} | dict(zip(names, trials.before.T, strict=True))
 
 
 OUTPUTS = ("point[0].vx", "point[0].vy", "link[1].angular_velocity")
@@ -100,17 +100,19 @@ OUTPUTS = ("point[0].vx", "point[0].vy", "link[1].angular_velocity")
 
 def fitted(scene: Scene, trials: Trials, laws: bool = False) -> Fit:
     """Return the fit of restitution and friction to the velocities after the impacts."""
-    data = [{"time": [STOP]} | dict(zip(OUTPUTS, after[:, None], strict=True)) for after in trials.after]
+    data = [
+        {"time": [STOP]} | dict(zip(OUTPUTS, velocity[:, None], strict=True)) for velocity in trials.after
+    ]
     sigma = dict(zip(OUTPUTS, (0.2, 0.2, 0.2 / GYRATION), strict=True))
     return fit(scene, data, list(START), set_each=values(trials), sigma=sigma, laws=laws)
 
 
 def predicted(scene: Scene, trials: Trials) -> np.ndarray:
     """Return the simulated velocities after the impacts, shape (n, 3)."""
-    known = values(trials)
+    scene_values = values(trials)
     rows = []
     for k in range(len(trials.before)):
-        result = simulate(scene.with_values({name: float(value[k]) for name, value in known.items()}))
+        result = simulate(scene.with_values({name: float(value[k]) for name, value in scene_values.items()}))
         rows.append([result[name][-1] for name in OUTPUTS])
     return np.array(rows)
 
@@ -125,22 +127,22 @@ def compliant(trials: Trials, restitution: float, friction: float, ratio: float)
     times ``ratio`` (Mindlin & Deresiewicz 1953). Without gravity the value of K [N/m^1.5] does not matter: it
     is that of the mass [kg].
     """
-    velocity, (across, up) = trials.before.copy(), trials.arm.T
+    velocity, (arm_x, arm_y) = trials.before.copy(), trials.arm.T
     closing = -trials.at_contact(velocity)[:, 1]
-    inverse = 1.0 + (across / GYRATION) ** 2
+    inverse = 1.0 + (arm_x / GYRATION) ** 2
     dt = 2.94 / closing * (1.25 * closing**2 / inverse) ** 0.4 / STEPS
     depth, stretch = np.zeros((2, len(dt)))
     inwards = touches = np.full(len(dt), True)
     while touches.any():
-        along, away = trials.at_contact(velocity).T
-        depth = depth - away * dt
-        touches, inwards = touches & (depth > 0.0), inwards & (away < 0.0)
+        slip_speed, normal_speed = trials.at_contact(velocity).T
+        depth = depth - normal_speed * dt
+        touches, inwards = touches & (depth > 0.0), inwards & (normal_speed < 0.0)
         root = np.sqrt(np.where(touches, depth, 0.0))
         normal = np.where(inwards, 1.0, restitution**2) * root**3
         spring, limit = 1.5 * ratio * root, friction * normal
-        tangential = np.clip(-spring * (stretch + along * dt), -limit, limit)
+        tangential = np.clip(-spring * (stretch + slip_speed * dt), -limit, limit)
         stretch = -tangential / np.where(touches, spring, 1.0)
-        torque = (across * normal - up * tangential) / GYRATION**2
+        torque = (arm_x * normal - arm_y * tangential) / GYRATION**2
         velocity += np.stack([tangential, normal, torque], axis=1) * dt[:, None]
     return velocity
 
@@ -151,71 +153,82 @@ def fitted_compliant(trials: Trials, ratio: float | None) -> list[float]:
     def misfit(x: np.ndarray) -> float:
         if not (0.0 < x[0] <= 1.0 and (x > 0.0).all()):
             return math.inf
-        return float((errors(trials, compliant(trials, *x, *given)) ** 2).sum())
+        return float((errors(trials, compliant(trials, *x, *fixed)) ** 2).sum())
 
-    given = [] if ratio is None else [ratio]
-    starts = [[*START.values(), one] for one in (0.3, 1.0, 3.0)] if ratio is None else [[*START.values()]]
-    found = [minimize(misfit, x, method="Nelder-Mead", options={"xatol": 1e-3}) for x in starts]
-    return [*min(found, key=lambda one: one.fun).x, *given]
+    fixed = [] if ratio is None else [ratio]
+    starts = (
+        [[*START.values(), start_ratio] for start_ratio in (0.3, 1.0, 3.0)]
+        if ratio is None
+        else [[*START.values()]]
+    )
+    solutions = [minimize(misfit, x, method="Nelder-Mead", options={"xatol": 1e-3}) for x in starts]
+    return [*min(solutions, key=lambda solution: solution.fun).x, *fixed]
 
 
 # --- errors -------------------------------------------------------------------------------------------------
 
 
-def errors(trials: Trials, after: np.ndarray) -> np.ndarray:
+def errors(trials: Trials, velocities: np.ndarray) -> np.ndarray:
     """Return the errors of predicted velocities [m/s], shape (n,).
 
     An error is the length of the vector of the errors of v_x, v_y, and ω times the radius of gyration.
     """
-    sizes: np.ndarray = np.linalg.norm((after - trials.after) * [1.0, 1.0, GYRATION], axis=1)
+    sizes: np.ndarray = np.linalg.norm((velocities - trials.after) * [1.0, 1.0, GYRATION], axis=1)
     return sizes
 
 
-def figures(trials: Trials, after: np.ndarray, **parameters: float) -> dict[str, Any]:
+def figures(trials: Trials, velocities: np.ndarray, **parameters: float) -> dict[str, Any]:
     """Return the median error, the error that 90 % of trials stay below [m/s], and two shares of the trials.
 
     The first share is that of trials in which the contact point moves along the wall after the impact in the
     measured direction; the second share, in which it moves against its direction before the impact.
     """
-    off = np.quantile(errors(trials, after), (0.5, 0.9))
-    found = trials.at_contact(after)[:, 0]
-    found = np.sign(np.where(np.abs(found) < 1e-6, 0.0, found))  # 0: it sticks
-    before, seen = (np.sign(trials.at_contact(one)[:, 0]) for one in (trials.before, trials.after))
-    parts = {"direction": np.mean(found == seen), "moves back": np.mean(found == -before)}
-    numbers = parameters | {"median": off[0], "90 %": off[1]} | parts
+    quantiles = np.quantile(errors(trials, velocities), (0.5, 0.9))
+    directions = trials.at_contact(velocities)[:, 0]
+    directions = np.sign(np.where(np.abs(directions) < 1e-6, 0.0, directions))  # 0: it sticks
+    directions_before, directions_after = (
+        np.sign(trials.at_contact(velocity)[:, 0]) for velocity in (trials.before, trials.after)
+    )
+    parts = {
+        "direction": np.mean(directions == directions_after),
+        "moves back": np.mean(directions == -directions_before),
+    }
+    numbers = parameters | {"median": quantiles[0], "90 %": quantiles[1]} | parts
     return {name: common.rounded(number) for name, number in numbers.items()}
 
 
 def facts(trials: Trials) -> dict[str, float]:
     """Return facts on the measurements: speeds, Newton's restitution, the share of points that move back."""
-    before, after = trials.at_contact(trials.before), trials.at_contact(trials.after)
-    low, middle, high = np.quantile(-after[:, 1] / before[:, 1], (0.05, 0.5, 0.95))
+    contact_before, contact_after = trials.at_contact(trials.before), trials.at_contact(trials.after)
+    low, middle, high = np.quantile(-contact_after[:, 1] / contact_before[:, 1], (0.05, 0.5, 0.95))
     numbers = {
-        "trials": len(before),
+        "trials": len(contact_before),
         "speed": np.median(np.linalg.norm(trials.before * [1.0, 1.0, GYRATION], axis=1)),
         "restitution": middle,
         "restitution 5 %": low,
         "restitution 95 %": high,
-        "moves back": np.mean(before[:, 0] * after[:, 0] < 0.0),
-        "median ratio": np.median(after[:, 0] / before[:, 0]),
+        "moves back": np.mean(contact_before[:, 0] * contact_after[:, 0] < 0.0),
+        "median ratio": np.median(contact_after[:, 0] / contact_before[:, 0]),
     }
     return {name: common.rounded(number) for name, number in numbers.items()}
 
 
 def measure(trials: Trials) -> dict[str, Any]:
     """Return facts on all trials, and the errors of each law and of the compliant model in the odd trials."""
-    known, asked = trials[::2], trials[1::2]
+    fitted_trials, judged_trials = trials[::2], trials[1::2]
     rows: dict[str, Any] = {}
-    for one in fitted(ellipse(), known, laws=True).ranking:
-        if one.fit is None:
-            rows[one.law] = {"note": one.note}
+    for entry in fitted(ellipse(), fitted_trials, laws=True).ranking:
+        if entry.fit is None:
+            rows[entry.law] = {"note": entry.note}
             continue
-        rows[one.law] = figures(asked, predicted(one.fit.scene, asked), **one.fit.values)
+        rows[entry.law] = figures(
+            judged_trials, predicted(entry.fit.scene, judged_trials), **entry.fit.values
+        )
     for name, ratio in (("Mindlin", MINDLIN), ("free", None)):
-        x = fitted_compliant(known, ratio)
+        x = fitted_compliant(fitted_trials, ratio)
         names = (*START, "ratio of the stiffnesses")
-        after = compliant(asked, *x)
-        rows[f"compliance, {name}"] = figures(asked, after, **dict(zip(names, x, strict=True)))
+        velocities = compliant(judged_trials, *x)
+        rows[f"compliance, {name}"] = figures(judged_trials, velocities, **dict(zip(names, x, strict=True)))
     return {"facts": facts(trials), "odd trials": rows}
 
 

@@ -17,22 +17,24 @@ Entries = Mapping[tuple[str, float], tuple[Callable[[], object], dict[str, Any]]
 """Name and setting (tolerance, or step [s]) → a run and its result; an entry with ``failed`` is not timed."""
 
 
-def judge(found: Outcome, problem: Problem, expected: dict[str, Any], stop: float) -> dict[str, Any]:
+def judge(outcome: Outcome, problem: Problem, expected: dict[str, Any], stop: float) -> dict[str, Any]:
     """Return counts of a run, whether its impacts are ``right``, and errors of tip [mm] and onsets [µs].
 
     The error of onsets is missing if the impacts are not right, or if there are none. A run that failed has
     ``failed`` in place of the errors.
     """
-    row: dict[str, Any] = {"steps": found.steps, "rhs": found.rhs, "onsets": len(found.onsets)}
-    true = [(one["candidate"], one["onset"]) for one in expected["impacts"] if one["onset"] < stop]
-    row["right"] = [c for c, _ in found.onsets] == [c for c, _ in true]
-    truth = np.array(expected["states"][expected["times"].index(stop)])
-    error = float(np.linalg.norm(problem.tip(found.state) - problem.tip(truth)))
-    if found.failed or not math.isfinite(error):
-        return row | {"failed": found.failed or "not finite"}
+    row: dict[str, Any] = {"steps": outcome.steps, "rhs": outcome.rhs, "onsets": len(outcome.onsets)}
+    expected_onsets = [
+        (impact["candidate"], impact["onset"]) for impact in expected["impacts"] if impact["onset"] < stop
+    ]
+    row["right"] = [c for c, _ in outcome.onsets] == [c for c, _ in expected_onsets]
+    expected_state = np.array(expected["states"][expected["times"].index(stop)])
+    error = float(np.linalg.norm(problem.tip(outcome.state) - problem.tip(expected_state)))
+    if outcome.failed or not math.isfinite(error):
+        return row | {"failed": outcome.failed or "not finite"}
     row["tip"] = common.rounded(1e3 * error)
-    if row["right"] and true:
-        late = [abs(a - b) for (_, a), (_, b) in zip(found.onsets, true, strict=True)]
+    if row["right"] and expected_onsets:
+        late = [abs(a - b) for (_, a), (_, b) in zip(outcome.onsets, expected_onsets, strict=True)]
         row["onset"] = common.rounded(1e6 * max(late))
     return row
 

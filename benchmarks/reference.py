@@ -66,11 +66,11 @@ class Bouncing:
     def clearances(self, y: np.ndarray) -> list[tuple[REAL, REAL]]:
         """Return clearance [m] and its rate [m/s] of each candidate."""
         position, velocity = self.book.points(y)
-        found = []
+        gaps = []
         for point, wall in self.pairs:
             side, axis = 1 - 2 * (wall % 2), wall // 2
-            found.append((side * (position[point, axis] - self.walls[wall]), side * velocity[point, axis]))
-        return found
+            gaps.append((side * (position[point, axis] - self.walls[wall]), side * velocity[point, axis]))
+        return gaps
 
     def rate(self, y: np.ndarray) -> np.ndarray:
         """Return f(y) with the forces K δ^n (1 + λ δ̇/v₀) ≥ 0 of the active candidates."""
@@ -93,14 +93,14 @@ class Bouncing:
         for row in range(self.rows):
             count = 2 * (row + 1)
             sub = h / count
-            before, now = y, y + sub * first
+            previous, current = y, y + sub * first
             for _ in range(count - 1):
-                before, now = now, before + 2 * sub * self.rate(now)
-            new = [now]
+                previous, current = current, previous + 2 * sub * self.rate(current)
+            new_row = [current]
             for k in range(row):
                 factor = REAL(count * count) / REAL((2 * (row - k)) ** 2) - 1
-                new.append(new[k] + (new[k] - table[k]) / factor)
-            table, last = new, table
+                new_row.append(new_row[k] + (new_row[k] - table[k]) / factor)
+            table, last = new_row, table
         return table[-1], np.abs(table[-1] - last[-1]).max()
 
     def events(self, y: np.ndarray) -> list[tuple[REAL, REAL]]:
@@ -177,10 +177,10 @@ def solve(problem: Problem) -> dict[str, Any]:
     begin = time.process_time()
     states, impacts = run(problem, *SETTINGS["reference"])
     print(f"{problem.name}: {time.process_time() - begin:.1f} s")
-    checked, again = run(problem, *SETTINGS["check"])
-    assert len(again) == len(impacts)
+    checked, checked_impacts = run(problem, *SETTINGS["check"])
+    assert len(checked_impacts) == len(impacts)
     errors = [float(np.abs(a - b).max()) for a, b in zip(states, checked, strict=True)]
-    pairs = zip(impacts, again, strict=True)
+    pairs = zip(impacts, checked_impacts, strict=True)
     onset = max((abs(a["onset"] - b["onset"]) for a, b in pairs), default=0.0)
     print(f"differences of the two runs: {errors}, onsets {onset:.1e} s, {len(impacts)} impacts")
     return {
@@ -197,8 +197,8 @@ def solve(problem: Problem) -> dict[str, Any]:
 def main() -> None:
     """Compute, check and store."""
     started, names = common.environment(), sys.argv[1:] or list(PROBLEMS)
-    kept = common.load("reference")["results"] if sys.argv[1:] else {}
-    results = kept | {name: solve(PROBLEMS[name]) for name in names}
+    stored = common.load("reference")["results"] if sys.argv[1:] else {}
+    results = stored | {name: solve(PROBLEMS[name]) for name in names}
     settings = {"rows and tolerance": SETTINGS, "longest step [s]": LONGEST}
     common.save("reference", started, settings, {name: results[name] for name in PROBLEMS if name in results})
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from benchmarks import common
 from benchmarks.kernel_model import MARGIN, POSITION_ERROR
-from benchmarks.looks import OURS, WIDTH, name_curves, strong
+from benchmarks.looks import OUR_COLOUR, WIDTH, name_curves, strong
 from benchmarks.peers import MissingError
 from benchmarks.peers.cvode import BUDGET, COUNTS, Cvode, driver
 from benchmarks.peers.ours import OnInstance
@@ -96,7 +96,7 @@ def compare(scene: Scene) -> dict[str, Any]:
     assert advance(fine, float(STOP)) == 0
     seconds = np.arange(1.0, STOP + 1.0)
     runs: dict[str, Ours | Cvode] = {"ours": Ours(scene)}
-    runs |= {name: Cvode(scene, seconds, *how) for name, how in CVODES.items()}
+    runs |= {name: Cvode(scene, seconds, *arguments) for name, arguments in CVODES.items()}
     row: dict[str, Any] = {
         "restitution": scene.contact.restitution,
         "stiffness": scene.contact.stiffness,
@@ -120,7 +120,7 @@ SIZE = (WIDTH, 5.2)  # [inch] of the chart
 def draw(figure: Any, record: dict[str, Any]) -> None:
     """Draw the time above and the steps below; one column for each restitution."""
     looks = {
-        "ours": (OURS, "o", "-"),
+        "ours": (OUR_COLOUR, "o", "-"),
         CAREFUL: (BLUE, "^", "-"),
         USERS: (BLUE, "s", ":"),
         ADAMS: (INK, "v", "--"),
@@ -162,8 +162,8 @@ def draw(figure: Any, record: dict[str, Any]) -> None:
 
 def number_range(values: Iterable[float]) -> str:
     """Return the least and the largest of some numbers as words, with two digits."""
-    found = list(values)
-    return " to ".join(f"{common.rounded(end(found), 2):g}" for end in (min, max))
+    numbers = list(values)
+    return " to ".join(f"{common.rounded(end(numbers), 2):g}" for end in (min, max))
 
 
 def main() -> None:

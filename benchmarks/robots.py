@@ -36,7 +36,7 @@ from chain_impact.scene.scene import scene_from_dict
 DURATION = 0.5  # [s] of a run
 SPEED = 0.3  # [rad/s or m/s] speed of the joints at the start; the sign alternates from joint to joint
 TOLERANCE = 1e-11
-ALIKE = 1e-6  # [rad] angles that differ by at most this count as equal
+ANGLE_TOLERANCE = 1e-6  # [rad] angles that differ by at most this count as equal
 TOUCHING = ("joint_min", "joint_max", "joint_friction", "slider_min", "slider_max", "slider_friction")
 """The properties of a link or a slider that MuJoCo treats otherwise, by soft constraints."""
 LIMITED = "the limit of its drives"
@@ -60,7 +60,7 @@ class Compared(NamedTuple):
     @property
     def holds(self) -> bool:
         """Whether the robot moves as in MuJoCo, is refused, or a message names the difference."""
-        return self.difference is None or self.difference <= ALIKE or bool(self.cause)
+        return self.difference is None or self.difference <= ANGLE_TOLERANCE or bool(self.cause)
 
 
 def compared(path: Path, choices: ConversionChoices = ALL_CHOICES) -> Compared:
@@ -68,7 +68,7 @@ def compared(path: Path, choices: ConversionChoices = ALL_CHOICES) -> Compared:
     try:
         robot = read_robot(path, choices.keyframe)
         try:
-            done = chain_of(robot, choices, str(path))
+            conversion = chain_of(robot, choices, str(path))
         except NoChainError as error:
             if not error.proposed:
                 raise
@@ -76,12 +76,18 @@ def compared(path: Path, choices: ConversionChoices = ALL_CHOICES) -> Compared:
     except SceneError as error:
         return Compared((), None, str(error).removeprefix(f"{path}: "))
     names = choices.joints or [joint.name for body in robot.bodies for joint in body.joints]
-    moving = _moving(robot, names)
-    done = chain_of(moving, choices, str(path))
-    apart = turned_in_scene(done, moving, names) - turned_in_mujoco(path, moving, names, choices.keyframe)
-    others = (line for line in (*done.differs, *done.left_out) if line.startswith("link") or LIMITED in line)
-    told = [*done.warnings, *others]
-    return Compared(names, float(np.abs(apart).max()), told[0] if told else "")
+    moving_robot = _moving(robot, names)
+    conversion = chain_of(moving_robot, choices, str(path))
+    differences = turned_in_scene(conversion, moving_robot, names) - turned_in_mujoco(
+        path, moving_robot, names, choices.keyframe
+    )
+    remarks = (
+        line
+        for line in (*conversion.differs, *conversion.left_out)
+        if line.startswith("link") or LIMITED in line
+    )
+    messages = [*conversion.warnings, *remarks]
+    return Compared(names, float(np.abs(differences).max()), messages[0] if messages else "")
 
 
 def _moving(robot: Robot, names: Sequence[str]) -> Robot:
@@ -94,12 +100,16 @@ def _moving(robot: Robot, names: Sequence[str]) -> Robot:
     return replace(robot, bodies=bodies)
 
 
-def turned_in_scene(done: ConversionResult, robot: Robot, names: Sequence[str]) -> np.ndarray:
+def turned_in_scene(conversion: ConversionResult, robot: Robot, names: Sequence[str]) -> np.ndarray:
     """Return the angle [rad] by which each of the hinges ``names`` turns in a run without walls and stops.
 
     The run lasts DURATION. The sign is that of the angle in the file.
     """
-    data = {key: table for key, table in done.data.items() if key not in ("box", "walls", "contact", "stops")}
+    data = {
+        key: table
+        for key, table in conversion.data.items()
+        if key not in ("box", "walls", "contact", "stops")
+    }
     links = [
         {key: value for key, value in link.items() if key not in TOUCHING} for link in data["chain"]["links"]
     ]
@@ -114,12 +124,12 @@ def turned_in_scene(done: ConversionResult, robot: Robot, names: Sequence[str]) 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         result = simulate(scene_from_dict(data, "compared"))
-    turned = next((note for note in done.notes if "other sign" in note), "").partition(":")[0]
+    signs_note = next((note for note in conversion.notes if "other sign" in note), "").partition(":")[0]
     hinges = [joint.name for body in robot.bodies for joint in body.joints if joint.kind == "hinge"]
-    other = set(re.split(r",? ", turned)[1:])
-    signs = [-1.0 if name in other else 1.0 for name in hinges if name in names]
-    relative = np.diff(result.angles, axis=1, prepend=0.0)
-    return np.asarray(signs * (relative[-1] - relative[0]))
+    turned_names = set(re.split(r",? ", signs_note)[1:])
+    signs = [-1.0 if name in turned_names else 1.0 for name in hinges if name in names]
+    joint_angles = np.diff(result.angles, axis=1, prepend=0.0)
+    return np.asarray(signs * (joint_angles[-1] - joint_angles[0]))
 
 
 def mujoco_model(path: Path) -> Any:
@@ -131,12 +141,12 @@ def mujoco_model(path: Path) -> Any:
         model = compile_model(mujoco, path).model
     else:
         root = ElementTree.fromstring(moving_parts(urdf_of(path)))
-        named = {link.get("name") for link in root.iter("link") if link.get("name")}
+        link_names = {link.get("name") for link in root.iter("link") if link.get("name")}
         for joint in root.findall("joint"):
             for element in (*joint.findall("parent"), *joint.findall("child")):
-                if element.get("link") not in named:
+                if element.get("link") not in link_names:
                     ElementTree.SubElement(root, "link", name=element.get("link", ""))
-                    named.add(element.get("link"))
+                    link_names.add(element.get("link"))
         compiler = ElementTree.SubElement(ElementTree.SubElement(root, "mujoco"), "compiler")
         # without these settings MuJoCo refuses many files
         compiler.attrib |= {"fusestatic": "true", "balanceinertia": "true"}
@@ -193,16 +203,17 @@ def main() -> None:
     print("| file | joints | difference, rad | told first |\n|---|---|---|---|")
     for path in options.files:
         try:
-            found = compared(path, ConversionChoices(joints))
+            comparison = compared(path, ConversionChoices(joints))
         except ValueError as error:
             print(f"| {path} | | | MuJoCo: {' '.join(str(error).split())} |")
             continue
-        amount = "refused" if found.difference is None else f"{found.difference:.1e}"
-        print(f"| {path} | {','.join(found.joints)} | {amount} | {found.cause or _not_told(found)} |")
+        amount = "refused" if comparison.difference is None else f"{comparison.difference:.1e}"
+        cause = comparison.cause or _not_told(comparison)
+        print(f"| {path} | {','.join(comparison.joints)} | {amount} | {cause} |")
 
 
-def _not_told(found: Compared) -> str:
-    return "" if found.holds else "NOTHING IS TOLD"
+def _not_told(comparison: Compared) -> str:
+    return "" if comparison.holds else "NOTHING IS TOLD"
 
 
 if __name__ == "__main__":

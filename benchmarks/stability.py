@@ -1,9 +1,8 @@
 """The success of methods at many stiffnesses and restitutions: ``python -m benchmarks stability``.
 
 A uniform rod (1 m, 1 kg, 0.3 rad) falls 0.1 m onto a floor, clatters and, for e < 1, settles: free flight,
-impacts and sustained contact in 3 s. Each cell of the map is one run; its CPU time has a limit,
-except with fixed steps. The other
-solvers are in the folder peers/.
+impacts and sustained contact in 3 s. Each cell of the map is one run; its CPU time has a limit, except with
+fixed steps. The other solvers are in the folder peers/.
 """
 
 from __future__ import annotations
@@ -38,13 +37,13 @@ STIFFNESSES = tuple(10.0**k for k in range(4, 13))
 RESTITUTIONS = (0.02, 0.05, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0)
 SCIPY = tuple(f"SciPy {method}" for method in ("DOP853", "Radau", "BDF", "LSODA"))
 CVODE, NUMBALSODA = "CVODE BDF", "numbalsoda DOP853"
-OURS = tuple(f"chain-impact {method}" for method in ("explicit", "implicit", "auto"))
+OUR_METHODS = tuple(f"chain-impact {method}" for method in ("explicit", "implicit", "auto"))
 FIXED = {
     f"{name} {dt:g} s": (name, dt)
     for name, sizes in {"Euler": (1e-3, 1e-4, 1e-5), "RK4": (1e-3, 1e-4, 1e-5, 1e-6)}.items()
     for dt in sizes
 }
-METHODS = (*OURS, CVODE, *SCIPY, NUMBALSODA, *FIXED)
+METHODS = (*OUR_METHODS, CVODE, *SCIPY, NUMBALSODA, *FIXED)
 TOLERANCE = 1e-8
 STOP = 3.0  # [s] end of a run
 SAMPLE = 1e-4  # [s] time between the checks of our runs and of CVODE's
@@ -94,15 +93,15 @@ def energies() -> tuple[float, float]:
     return available, available * (1.0 + GAIN)
 
 
-def judged(finite: bool, energy: float, deepest: float, missed: bool, otherwise: str) -> str:
-    """Return the outcome of a run; of several failures, the gravest."""
-    if not finite or not math.isfinite(energy):
+def judged(is_finite: bool, energy: float, deepest: float, has_missed: bool, outcome: str) -> str:
+    """Return the outcome of a run: ``outcome``, or the gravest of several failures."""
+    if not is_finite or not math.isfinite(energy):
         return "not finite"
-    if missed:  # the point falls through the floor
+    if has_missed:  # the point falls through the floor
         return "missed an onset"
     if deepest > DEEPEST * LENGTH:
         return "tunnelled"
-    return "gained energy" if energy > energies()[1] else otherwise
+    return "gained energy" if energy > energies()[1] else outcome
 
 
 def alarm(budget: float) -> Callable[[], None]:
@@ -120,8 +119,8 @@ def run_fixed(scene: Scene, name: str, dt: float) -> dict[str, Any]:
     """Return the cell of a method with fixed steps ``dt``; its CPU time has no limit."""
     peer, limits = OnKernel(scene, STOP), np.array([1e3 * energies()[1], 10.0])
     steps = fixed_steps(peer, name, dt, limits)
-    seen = np.array([*limits, 0.0]) if np.isfinite(peer.y).all() else np.full(3, np.inf)
-    return found_by(peer, seen, steps, "completed")
+    extremes = np.array([*limits, 0.0]) if np.isfinite(peer.y).all() else np.full(3, np.inf)
+    return found_by(peer, extremes, steps, "completed")
 
 
 def fixed_steps(peer: OnKernel, name: str, dt: float, limits: np.ndarray) -> int:
@@ -136,18 +135,18 @@ def fixed_steps(peer: OnKernel, name: str, dt: float, limits: np.ndarray) -> int
 
 def run_scipy(scene: Scene, method: str) -> dict[str, Any]:
     """Return a cell of one of the methods of ``solve_ivp``."""
-    otherwise, note = "completed", ""
+    outcome, note = "completed", ""
     peer = Scipy(scene, STOP, method, watch=True)
     peer.tick = alarm(BUDGET)
     try:
         peer.run()
         if peer.message:
-            otherwise, note = "gave up", peer.message
+            outcome, note = "gave up", peer.message
     except OverBudgetError:
-        otherwise = "over budget"
+        outcome = "over budget"
     except (ValueError, RuntimeError, FloatingPointError, np.linalg.LinAlgError) as problem:
-        otherwise, note = "gave up", f"{type(problem).__name__}: {problem}"
-    return found_by(peer, peer.seen, peer.steps, otherwise) | {"reached": peer.time, "note": note}
+        outcome, note = "gave up", f"{type(problem).__name__}: {problem}"
+    return found_by(peer, peer.seen, peer.steps, outcome) | {"reached": peer.time, "note": note}
 
 
 def dop853(scene: Scene, stop: float) -> Any:
@@ -159,31 +158,33 @@ def dop853(scene: Scene, stop: float) -> Any:
 
 def run_numbalsoda(scene: Scene) -> dict[str, Any]:
     """Return a cell of numbalsoda's DOP853. The budget is checked at events, and at the end of the run."""
-    peer, tick, otherwise, steps = dop853(scene, STOP), alarm(BUDGET), "completed", 0
+    peer, tick, outcome, steps = dop853(scene, STOP), alarm(BUDGET), "completed", 0
     try:
         steps = peer.watched(tick)
-        otherwise = "gave up" if steps < 0 else otherwise
+        outcome = "gave up" if steps < 0 else outcome
     except OverBudgetError:
-        otherwise = "over budget"
-    return found_by(peer, peer.seen, steps, otherwise)
+        outcome = "over budget"
+    return found_by(peer, peer.seen, steps, outcome)
 
 
 def run_cvode(scene: Scene) -> dict[str, Any]:
     """Return a cell of a careful CVODE with BDF formulas, checked at intervals of SAMPLE."""
     times = np.arange(1, round(STOP / SAMPLE) + 1) * SAMPLE
-    peer, seen = Cvode(scene, times, adams=0, careful=1, budget=BUDGET), np.array([-np.inf, 0.0, 0.0])
-    done = peer.run(seen)
+    peer, extremes = Cvode(scene, times, adams=0, careful=1, budget=BUDGET), np.array([-np.inf, 0.0, 0.0])
+    reached_count = peer.run(extremes)
     row = peer.rows[-1]
     failed = "over budget" if row["flag"] == OVER_BUDGET else "gave up"
-    found = found_by(peer, seen, int(row["steps"]), "completed" if done == len(times) else failed)
-    return found | {"reached": float(times[done - 1]) if done else 0.0}
+    entries = found_by(
+        peer, extremes, int(row["steps"]), "completed" if reached_count == len(times) else failed
+    )
+    return entries | {"reached": float(times[reached_count - 1]) if reached_count else 0.0}
 
 
-def found_by(peer: OnInstance, seen: np.ndarray, steps: int, otherwise: str) -> dict[str, Any]:
-    """Return the cell of a peer at its end, from the highest energy and the largest depths ``seen``."""
-    energy, deepest, outside = seen.tolist()
+def found_by(peer: OnInstance, extremes: np.ndarray, steps: int, outcome: str) -> dict[str, Any]:
+    """Return the cell of a peer at its end, from the highest energy and the largest depths (``extremes``)."""
+    energy, deepest, outside = extremes.tolist()
     return {
-        "outcome": judged(math.isfinite(energy), energy, deepest, outside > OUTSIDE, otherwise),
+        "outcome": judged(math.isfinite(energy), energy, deepest, outside > OUTSIDE, outcome),
         "steps": steps,
         "deepest": deepest,
         "onsets": int(peer.instance.record["impact"]["count"]),
@@ -197,29 +198,29 @@ def run_ours(scene: Scene) -> dict[str, Any]:
         instance = Instance(scene)
     except SimulationError as problem:
         return {"outcome": "gave up", "note": str(problem), "steps": 0}
-    tick, otherwise, note = alarm(BUDGET), "completed", ""
+    tick, outcome, note = alarm(BUDGET), "completed", ""
     energy, deepest, missed, onsets = 0.0, 0.0, False, 0
     times = np.arange(1, round(STOP / SAMPLE) + 1) * SAMPLE
-    rows, done = np.zeros(10, instance.record.dtype["output"]), 0
+    rows, row_count = np.zeros(10, instance.record.dtype["output"]), 0
     contacts = instance.record["candidate"]["point"]
     try:
-        while done < len(times) and not instance.status:
+        while row_count < len(times) and not instance.status:
             tick()
-            got = instance.trajectory(times[done : done + 10], rows)
-            done += got
-            seen, found = rows[:got], instance.collect()
-            energy = max(energy, *seen["total"]) if got else energy
-            depths = -seen["point_position"][:, contacts, 1]
-            deepest = max(deepest, depths.max(initial=0.0), found["max_penetration"].max(initial=0.0))
-            missed = missed or bool((depths[seen["penetration"] == 0.0] > OUTSIDE).any())
-            onsets += len(found)
+            new_count = instance.trajectory(times[row_count : row_count + 10], rows)
+            row_count += new_count
+            new_rows, impacts = rows[:new_count], instance.collect()
+            energy = max(energy, *new_rows["total"]) if new_count else energy
+            depths = -new_rows["point_position"][:, contacts, 1]
+            deepest = max(deepest, depths.max(initial=0.0), impacts["max_penetration"].max(initial=0.0))
+            missed = missed or bool((depths[new_rows["penetration"] == 0.0] > OUTSIDE).any())
+            onsets += len(impacts)
     except OverBudgetError:
-        otherwise = "over budget"
+        outcome = "over budget"
     if instance.status:
-        otherwise, note = "gave up", str(SimulationError(instance.status, instance.time, None))
-    counts, last = instance.statistics, rows[max(0, got - 1)]
+        outcome, note = "gave up", str(SimulationError(instance.status, instance.time, None))
+    counts, last = instance.statistics, rows[max(0, new_count - 1)]
     return {
-        "outcome": judged(bool(np.isfinite(last["total"])), energy, deepest, missed, otherwise),
+        "outcome": judged(bool(np.isfinite(last["total"])), energy, deepest, missed, outcome),
         "steps": counts["steps"],
         "implicit_steps": counts["implicit_steps"],
         "evaluations": counts["rhs_evaluations"],
@@ -249,20 +250,20 @@ def cell(task: tuple[str, float, float]) -> dict[str, Any]:
     scene = drop(stiffness, restitution)
     warm_up(method)
     if method in FIXED:
-        found = run_fixed(scene, *FIXED[method])
+        entries = run_fixed(scene, *FIXED[method])
     elif method in SCIPY:
-        found = run_scipy(scene, method.split()[1])
+        entries = run_scipy(scene, method.split()[1])
     elif method == CVODE:
-        found = run_cvode(scene)
+        entries = run_cvode(scene)
     elif method == NUMBALSODA:
-        found = run_numbalsoda(scene)
+        entries = run_numbalsoda(scene)
     else:
         scene = drop(stiffness, restitution, method.split()[1])
-        found = run_ours(scene)
-    if found["outcome"] == "completed":
-        found["cpu"] = cost_of(method, scene)
-    numbers = {key: common.rounded(value) for key, value in found.items() if isinstance(value, float)}
-    return {"method": method, "stiffness": stiffness, "restitution": restitution, **found, **numbers}
+        entries = run_ours(scene)
+    if entries["outcome"] == "completed":
+        entries["cpu"] = cost_of(method, scene)
+    numbers = {key: common.rounded(value) for key, value in entries.items() if isinstance(value, float)}
+    return {"method": method, "stiffness": stiffness, "restitution": restitution, **entries, **numbers}
 
 
 def cost_of(method: str, scene: Scene) -> float:
@@ -325,15 +326,17 @@ def draw(figure: Any, record: Any) -> None:
     """
     settings, tally = record["settings"], record["results"]["tally"]
     stiffnesses, restitutions = settings["stiffnesses"], settings["restitutions"]
-    cells, done = len(stiffnesses) * len(restitutions), {m: tally[m].get("completed", 0) for m in tally}
-    ours, others = ([m for m in done if (m in OURS) == own] for own in (True, False))
-    equal = [m for m in others if done[m] == cells]
-    rest = [done[m] for m in others if done[m] < cells]
+    cells, completed = len(stiffnesses) * len(restitutions), {m: tally[m].get("completed", 0) for m in tally}
+    our_methods, peer_methods = (
+        [m for m in completed if (m in OUR_METHODS) == is_own] for is_own in (True, False)
+    )
+    equal = [m for m in peer_methods if completed[m] == cells]
+    rest = [completed[m] for m in peer_methods if completed[m] < cells]
     of_others = f", as do {' and '.join(equal)}" if equal else ""
     of_others += f"; others complete {min(rest)} to {max(rest)}" if rest else ""
     write_headline(
         figure,
-        f"chain-impact completes {min(done[m] for m in ours)} of {cells} runs{of_others}",
+        f"chain-impact completes {min(completed[m] for m in our_methods)} of {cells} runs{of_others}",
         f"a rod falls, clatters and settles in {settings['stop [s]']:g} s  ·  "
         f"in each title: completed runs, of {cells}",
     )
@@ -342,9 +345,11 @@ def draw(figure: Any, record: Any) -> None:
     panels = figure.subplots(4, 4, sharex=True, sharey=True).ravel()
     spent = {
         m: [row["cpu"] for row in record["results"]["cells"] if row["method"] == m and "cpu" in row]
-        for m in done
+        for m in completed
     }
-    ranked = sorted(settings["methods"], key=lambda m: (m not in OURS, -done[m], np.median(spent[m])))
+    ranked = sorted(
+        settings["methods"], key=lambda m: (m not in OUR_METHODS, -completed[m], np.median(spent[m]))
+    )
     for axes, method in zip(panels, ranked, strict=True):
         costs = np.full((len(restitutions), len(stiffnesses)), np.nan)
         axes.set_facecolor(FAILED)
@@ -357,10 +362,10 @@ def draw(figure: Any, record: Any) -> None:
                 corner = (place[1] - 0.5, place[0] - 0.5)
                 axes.add_patch(Rectangle(corner, 1.0, 1.0, facecolor=GROUNDS[row["outcome"]], zorder=0.5))
                 axes.text(place[1], place[0], OUTCOMES[row["outcome"]], color=INK, **letter)
-        edges = [np.arange(len(one) + 1) - 0.5 for one in (stiffnesses, restitutions)]
+        edges = [np.arange(len(numbers) + 1) - 0.5 for numbers in (stiffnesses, restitutions)]
         look = {"edgecolors": EDGES, "linewidth": 0.8}
         mesh = axes.pcolormesh(*edges, costs, cmap="viridis", norm=cost, **look)
-        axes.set_title(f"{title_of(method)}: {done[method]}", fontsize="small")
+        axes.set_title(f"{title_of(method)}: {completed[method]}", fontsize="small")
         decades = [f"$10^{{{round(np.log10(k))}}}$" for k in stiffnesses[::2]]
         axes.set_xticks(range(0, len(stiffnesses), 2), decades)
         axes.set_yticks(range(len(restitutions)), [f"{e:g}" for e in restitutions])
@@ -389,12 +394,12 @@ def draw(figure: Any, record: Any) -> None:
 
 def cheapest_of(cells: list[dict[str, Any]]) -> dict[tuple[float, float], float]:
     """Return the least CPU time [s] in which a method completes, by stiffness and restitution."""
-    found: dict[tuple[float, float], float] = {}
+    cheapest: dict[tuple[float, float], float] = {}
     for row in cells:
         if row["outcome"] == "completed":
             place = row["stiffness"], row["restitution"]
-            found[place] = min(found.get(place, row["cpu"]), row["cpu"])
-    return found
+            cheapest[place] = min(cheapest.get(place, row["cpu"]), row["cpu"])
+    return cheapest
 
 
 def main() -> None:

@@ -32,26 +32,26 @@ class Step:
 
     def __init__(self, d: Any) -> None:
         """Copy the needed data from the record."""
-        step, touch, chain, own = d["step"], d["contacts"], d["chain"], d["inputs"]
+        step, touch, chain, inputs = d["step"], d["contacts"], d["chain"], d["inputs"]
         self.links, self.pinned = int(d["link_count"]), bool(chain["has_base_joint"])
         self.size, self.kept = float(step["size"]), float(step["end_fraction"])
         self.regularized_candidate, self.lever = (
             int(step["regularized_candidate"]),
             float(chain["longest_link"]),
         )
-        free = range(2 * self.pinned, self.links + 2)
-        variables = [*free, *(self.links + 2 + j for j in free)]
+        coordinates = range(2 * self.pinned, self.links + 2)
+        variables = [*coordinates, *(self.links + 2 + j for j in coordinates)]
         variables += [2 * self.links + 6] if self.regularized_candidate >= 0 else []
-        self.free = len(free)
+        self.free = len(coordinates)
         self.first = self.free - self.links  # index of the first angle
         self.polynomials = [_powers(step["state"][j], step["dense"][:, j]) for j in variables]
         place = d["channel"]["position"] if chain["base_moves"] else step["state"]
         self.base = [arb(float(value)) for value in place[:2]]
         self.marked = [c for c, event in enumerate(touch["event"]) if event in (ONSET, CONTACT_ENDS)]
-        self.gravity, self.tip = chain["gravity"].tolist(), own["tip_force"].tolist()
+        self.gravity, self.tip = chain["gravity"].tolist(), inputs["tip_force"].tolist()
         self._bodies(chain)
         names = ("motor", "drive_stiffness", "target", "drive_damping", "target_velocity")
-        self.joints = [[float(own[name][i]) for name in names] for i in range(self.links)]
+        self.joints = [[float(inputs[name][i]) for name in names] for i in range(self.links)]
         for i, mode in enumerate(d["drive"]["mode"][: self.links]):
             if mode or (i == 0 and not self.pinned):
                 self.joints[i] = [float(mode * d["drive"]["limit"][i]) if mode else 0.0, 0, 0, 0, 0]
@@ -68,9 +68,9 @@ class Step:
         self.drags = {c: arb(slides.get(c, 0.0)) * float(d["law"]["friction"][c]) for c in self.active}
         self.forces = {}  # stiffness K, exponents n and p, and damping d of the force F = K δⁿ + d δᵖ δ̇
         for c in self.active:
-            law, beyond = d["law"][c], bool(touch["beyond_kink"][c])
-            if not beyond or law["approach_only"]:
-                damping = 0.0 if beyond else touch["damping"][c]
+            law, is_beyond = d["law"][c], bool(touch["beyond_kink"][c])
+            if not is_beyond or law["approach_only"]:
+                damping = 0.0 if is_beyond else touch["damping"][c]
                 numbers = law["stiffness"], law["exponent"], damping, law["rate_exponent"]
                 self.forces[c] = [arb(float(number)) for number in numbers]
         unit = np.ones(len(variables))
@@ -90,15 +90,15 @@ class Step:
         names = ("length", "mass", "center_of_mass", "inertia")
         length, mass, middle, inertia = ([arb(x) for x in chain[name].tolist()] for name in names)
         links = range(self.links)
-        beyond = [sum(mass[i + 1 :], arb(0)) for i in links]
-        moment = [mass[i] * middle[i] + length[i] * beyond[i] for i in links]
-        self.mass = mass[0] + beyond[0]
-        self.balance = [arb(0) if self.pinned else one / self.mass for one in moment]
+        outer_masses = [sum(mass[i + 1 :], arb(0)) for i in links]
+        moment = [mass[i] * middle[i] + length[i] * outer_masses[i] for i in links]
+        self.mass = mass[0] + outer_masses[0]
+        self.balance = [arb(0) if self.pinned else value / self.mass for value in moment]
         self.arms = [[length[j] * (j < k) - self.balance[j] for j in links] for k in (*links, self.links)]
         self.arms.append(moment if self.pinned else [arb(0)] * self.links)  # arms on which gravity acts
         self.masses = [[moment[max(i, j)] * length[min(i, j)] for j in links] for i in links]
         for i in links:
-            self.masses[i][i] = inertia[i] + mass[i] * middle[i] ** 2 + length[i] ** 2 * beyond[i]
+            self.masses[i][i] = inertia[i] + mass[i] * middle[i] ** 2 + length[i] ** 2 * outer_masses[i]
             for j in links:
                 self.masses[i][j] -= self.balance[i] * self.balance[j] * self.mass
 
@@ -122,28 +122,31 @@ class Step:
 
     def inertia(self, values: Row) -> list[Row]:
         """Return the matrix D: the mass matrix, and 1 on the diagonal for the other variables."""
-        found = [[arb(int(i == j)) for j in range(len(values))] for i in range(len(values))]
+        matrix = [[arb(int(i == j)) for j in range(len(values))] for i in range(len(values))]
         for k in range(self.first):
-            found[self.free + k][self.free + k] = self.mass
+            matrix[self.free + k][self.free + k] = self.mass
         first = self.free + self.first
         for i in range(self.links):
             for j in range(self.links):
-                turned = (values[self.first + i] - values[self.first + j]).cos() if i != j else 1
-                found[first + i][first + j] = self.masses[i][j] * turned
-        return found
+                cosine = (values[self.first + i] - values[self.first + j]).cos() if i != j else 1
+                matrix[first + i][first + j] = self.masses[i][j] * cosine
+        return matrix
 
-    def residual(self, z: Row, rate: Row, asked: Any) -> tuple[Row, dict[int, tuple[Any, Any]]]:
+    def residual(self, z: Row, rate: Row, candidates: Any) -> tuple[Row, dict[int, tuple[Any, Any]]]:
         """Return D (z′ − f(z)) for a rate z′ in the step's variable, and g and ġ of some candidates."""
         n, links, zero = self.free, range(self.links), arb_series([0])
         theta, omega, alpha = z[self.first : n], z[n + self.first : 2 * n], rate[n + self.first : 2 * n]
         pace = z[-1] / (1 + z[-1] * z[-1]) if self.regularized_candidate >= 0 else arb_series([1])
         units = [(angle.cos(), angle.sin()) for angle in theta]
-        gaps = {c: self._gap(c, z, units) for c in asked}
+        gaps = {c: self._gap(c, z, units) for c in candidates}
         moments = [zero] * (self.links + 1)
         loads: list[tuple[int, Any, Any]] = [(self.links, arb(self.tip[0]), arb(self.tip[1]))]
         for i, (torque, stiffness, rest, damping, target) in enumerate(self.joints):
-            turned, turning = theta[i] - (theta[i - 1] if i else 0), omega[i] - (omega[i - 1] if i else 0)
-            moments[i] = torque - stiffness * (turned - rest) - damping * (turning - target)
+            joint_angle, joint_rate = (
+                theta[i] - (theta[i - 1] if i else 0),
+                omega[i] - (omega[i - 1] if i else 0),
+            )
+            moments[i] = torque - stiffness * (joint_angle - rest) - damping * (joint_rate - target)
         for c in self.forces:
             (point, stop, nx, ny), force = self.candidates[c], self._force(c, z, gaps[c])
             if stop:
@@ -215,8 +218,8 @@ class Step:
 
 def _power(base: Any, exponent: arb) -> Any:
     """Return a power with an exponent ≥ 0; one that is not whole needs a base > 0."""
-    whole = int(float(exponent))
-    return base**whole if exponent == whole else (base.log() * exponent).exp()
+    whole_exponent = int(float(exponent))
+    return base**whole_exponent if exponent == whole_exponent else (base.log() * exponent).exp()
 
 
 def _powers(start: float, dense: np.ndarray) -> Row:

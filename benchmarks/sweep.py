@@ -36,17 +36,17 @@ def loop() -> None:
 
 def measured(call: Callable[[], object], runs: int) -> tuple[float, float]:
     """Return the time and the CPU time of a run [µs]."""
-    used, clock = time.process_time(), time.perf_counter()
+    cpu_start, start = time.process_time(), time.perf_counter()
     call()
-    return 1e6 * (time.perf_counter() - clock) / runs, 1e6 * (time.process_time() - used) / runs
+    return 1e6 * (time.perf_counter() - start) / runs, 1e6 * (time.process_time() - cpu_start) / runs
 
 
 def main() -> None:
     """Time the sweeps and the loop in turn, print the results and save them."""
     rounds, started = common.rounds(__doc__, ROUNDS), common.environment()
     vary = {NAME: f"{FIRST}:{LAST}:{RUNS}"}
-    found = [sweep(SCENE, vary, threads=count).rows for count in THREADS]
-    rows = [part.tobytes() for part in found if isinstance(part, np.ndarray)]
+    tables = [sweep(SCENE, vary, threads=count).rows for count in THREADS]
+    rows = [part.tobytes() for part in tables if isinstance(part, np.ndarray)]
     calls: dict[str, tuple[Callable[[], object], int]] = {
         str(count): (partial(sweep, SCENE, vary, threads=count), RUNS) for count in THREADS
     }
@@ -55,15 +55,15 @@ def main() -> None:
     for _ in range(rounds):
         for name, call in calls.items():
             times[name].append(measured(*call))
-    clock = {name: [one for one, _ in pairs] for name, pairs in times.items()}
-    one = clock[str(THREADS[0])]
+    clock = {name: [a for a, _ in pairs] for name, pairs in times.items()}
+    single_worker = clock[str(THREADS[0])]
     results = {
         "microseconds a run": {name: common.spread(values) for name, values in clock.items()},
         "CPU microseconds a run": {
             name: common.spread([b for _, b in pairs]) for name, pairs in times.items()
         },
         "times as fast as one worker": {
-            name: common.spread([a / b for a, b in zip(one, values, strict=True)])
+            name: common.spread([a / b for a, b in zip(single_worker, values, strict=True)])
             for name, values in clock.items()
         },
         "runs a second": {

@@ -18,7 +18,7 @@ from benchmarks.problems import PROBLEMS, STEEL
 CHARTS = (fidelity, friction, rest, stability, work_precision)
 NO_DRIFT = 1e-9  # [µm/s] smaller drifts are round-off
 # tolerances in the tables of ``works`` and ``slope``; steps of MuJoCo in the table of ``slope`` [s]
-WORK, OURS, STEPS = (1e-4, 1e-8), (1e-4, 1e-8), (1e-2, 1e-3)
+WORK, OUR_TOLERANCES, STEPS = (1e-4, 1e-8), (1e-4, 1e-8), (1e-2, 1e-3)
 # stiffnesses [N/m^1.5], and tolerances at the stiffness of steel, in the table of ``choices``
 STIFFNESSES, TOLERANCES = (1e5,), (1e-4, 1e-8)
 DEFAULT_TOLERANCE = 1e-8
@@ -36,10 +36,10 @@ def table(head: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
 def run(name: str, packages: Iterable[str] = ()) -> str:
     """Return a text on the stored run of a benchmark: date, commit, machine, versions of some packages."""
     record = common.load(name)
-    changed = ", with uncommitted changes" if record["sources_changed_since"] else ""
+    remark = ", with uncommitted changes" if record["sources_changed_since"] else ""
     versions = "".join(f", {key} {record['versions'][key]}" for key in packages if key in record["versions"])
-    where = f"{record['machine']['processor']}, {record['machine']['cores']} cores"
-    return f"{record['date'][:10]}, commit `{record['commit'][:7]}`{changed}; {where}{versions}.\n\n"
+    machine = f"{record['machine']['processor']}, {record['machine']['cores']} cores"
+    return f"{record['date'][:10]}, commit `{record['commit'][:7]}`{remark}; {machine}{versions}.\n\n"
 
 
 def digits(value: float | None) -> str:
@@ -61,8 +61,8 @@ def milliseconds(row: dict[str, Any]) -> str:
 
 def span(values: Iterable[float]) -> str:
     """Return the text "<least> to <largest>" for some ratios."""
-    least, largest = min(found := list(values)), max(found)
-    return f"{digits(float(f'{least:.2g}'))} to {digits(float(f'{largest:.2g}'))}"
+    lowest, highest = min(numbers := list(values)), max(numbers)
+    return f"{digits(float(f'{lowest:.2g}'))} to {digits(float(f'{highest:.2g}'))}"
 
 
 def headline() -> str:
@@ -73,11 +73,11 @@ def headline() -> str:
         span(row[name] for row in ratios if name in row)
         for name in ("SciPy DOP853", "CVODE Adams", "heyoka", "numbalsoda DOP853")
     )
-    alone = span(1.0 / row["kernel alone"] for row in ratios)
+    ratio = span(1.0 / row["kernel alone"] for row in ratios)
     return (
         f"**At the default tolerance and equal error, SciPy's DOP853 takes {scipy} times as long as a "
         f"call of `simulate()`, CVODE {cvode} times, heyoka {heyoka} times, and numbalsoda's DOP853 in a "
-        f"compiled loop {numbalsoda} times. `simulate()` takes {alone} times as long as the kernel alone.**"
+        f"compiled loop {numbalsoda} times. `simulate()` takes {ratio} times as long as the kernel alone.**"
     )
 
 
@@ -85,10 +85,10 @@ def sweeps() -> str:
     """Return a sentence on the time of one run in a sweep, and on how much faster two workers are."""
     results = common.load("sweep")["results"]
     micro = results["CPU microseconds a run"]
-    one, _, four, loop = (digits(micro[name]["median"]) for name in micro)
+    single_worker, _, four, loop = (digits(micro[name]["median"]) for name in micro)
     faster = results["times as fast as one worker"]["2"]["median"]
     return run("sweep") + (
-        f"A run takes {one} µs of CPU time with one worker and {four} µs with four; in a loop over "
+        f"A run takes {single_worker} µs of CPU time with one worker and {four} µs with four; in a loop over "
         f"`simulate()` it takes {loop} µs. "
         f"In the same time two workers do {faster:.2f} times the work of one."
     )
@@ -107,25 +107,25 @@ def brick() -> str:
 def works() -> str:
     """Return a table of our times and errors, and of how many times as long peers take at equal error."""
     results = common.load("work_precision")["results"]
-    others = [name for name, family in peers.FAMILIES.items() if family != "ours"]
+    peer_names = [name for name, family in peers.FAMILIES.items() if family != "ours"]
     rows = []
     for problem in work_precision.NAMES:
         for tolerance in WORK:
             key = {"problem": problem, "setting": tolerance}
-            ours = [find(results["rows"], name=name, **key) for name in list(peers.FAMILIES)[:3]]
-            error = f"{ours[0]['tip']:.1e}" if "tip" in ours[0] else "–"
+            our_rows = [find(results["rows"], name=name, **key) for name in list(peers.FAMILIES)[:3]]
+            error = f"{our_rows[0]['tip']:.1e}" if "tip" in our_rows[0] else "–"
             times = find(results["at equal error"], **key).get("times as long", {})
             rows.append(
                 (
                     PROBLEMS[problem].title if tolerance == WORK[0] else "",
                     f"{tolerance:g}",
-                    *map(milliseconds, ours),
+                    *map(milliseconds, our_rows),
                     error,
-                    *(digits(times.get(name)) for name in others),
+                    *(digits(times.get(name)) for name in peer_names),
                 )
             )
     head = ("", "tolerance", "`simulate()` [ms]", "FMU [ms]", "kernel alone [ms]", "error of the tip [mm]")
-    return run("work_precision", ("scipy", *peers.PACKAGES)) + table((*head, *others), rows)
+    return run("work_precision", ("scipy", *peers.PACKAGES)) + table((*head, *peer_names), rows)
 
 
 def slope() -> str:
@@ -135,11 +135,14 @@ def slope() -> str:
     for name in dict.fromkeys(
         row["name"] for row in results if row["name"] != "ours, an hour" and "RK4" not in row["name"]
     ):
-        found = [find(results, name=name, setting=one) for one in (OURS if name == "ours" else STEPS)]
-        drifts = ("none" if row["drift"] < NO_DRIFT else digits(row["drift"]) for row in found)
-        tolerances = " and ".join(f"{value:g}" for value in OURS)
-        shown = f"chain-impact, tolerances {tolerances}" if name == "ours" else name
-        rows.append((shown, *drifts, *map(milliseconds, found)))
+        named_rows = [
+            find(results, name=name, setting=setting)
+            for setting in (OUR_TOLERANCES if name == "ours" else STEPS)
+        ]
+        drifts = ("none" if row["drift"] < NO_DRIFT else digits(row["drift"]) for row in named_rows)
+        tolerances = " and ".join(f"{value:g}" for value in OUR_TOLERANCES)
+        label = f"chain-impact, tolerances {tolerances}" if name == "ours" else name
+        rows.append((label, *drifts, *map(milliseconds, named_rows)))
     head = ("", "drift [µm/s], 10 ms", "1 ms", "CPU time of 60 s [ms], 10 ms", "1 ms")
     return run("friction", ("mujoco",)) + table(head, rows)
 
@@ -150,11 +153,11 @@ def choices() -> str:
     rows: dict[str, dict[float, dict[str, Any]]] = {}
     early, late = record["settings"]["stop [s]"]
     for row in record["results"]:
-        shown = row["choice"] == "law" and row["law"] in LAWS
+        is_shown = row["choice"] == "law" and row["law"] in LAWS
         if row["choice"] == fidelity.GRID:
             at_steel = row["stiffness"] == STEEL and row["tolerance"] in TOLERANCES
-            shown = at_steel or (row["stiffness"] in STIFFNESSES and row["tolerance"] == fidelity.TIGHT)
-        if shown:
+            is_shown = at_steel or (row["stiffness"] in STIFFNESSES and row["tolerance"] == fidelity.TIGHT)
+        if is_shown:
             name = f"`{row['law']}` | {row['stiffness']:.4g} | {row['tolerance']:.0e}"
             rows.setdefault(name, {})[row["stop"]] = row
     lines = []
@@ -169,14 +172,14 @@ def choices() -> str:
 
 def shares(rows: list[dict[str, Any]]) -> dict[str, float]:
     """Return two shares of the steps of some runs [%]: proven, and with a feature the certificate lacks."""
-    found = {"proven": 0.0, "without": 0.0}
+    parts = {"proven": 0.0, "without": 0.0}
     weights = [row["steps" if row["of"] == RANDOM else "steps of runs"] for row in rows]
     for row, weight in zip(rows, weights, strict=True):
         for key, count in row.items():
             kind = key.partition(" ")[0]
-            if kind in found:
-                found[kind] += 100.0 * count / row["steps"] * weight / sum(weights)
-    return found
+            if kind in parts:
+                parts[kind] += 100.0 * count / row["steps"] * weight / sum(weights)
+    return parts
 
 
 def proven_share() -> str:
@@ -188,17 +191,17 @@ def proven() -> str:
     """Return a paragraph on the share of steps that are proven."""
     record = common.load("certified")
     rows = record["results"]
-    found = shares([row for row in rows if row["of"] != RANDOM and row["tolerance"] == AIM])
+    parts = shares([row for row in rows if row["of"] != RANDOM and row["tolerance"] == AIM])
     random = shares([row for row in rows if row["of"] == RANDOM])
     count = len({row["of"] for row in rows} - {RANDOM})
-    of_those = 100.0 * found["proven"] / (100.0 - found["without"])
+    of_those = 100.0 * parts["proven"] / (100.0 - parts["without"])
     scenes = record["settings"]["random scenes"]
     proofs, faults, undecided, open_ones = (
         sum(row.get(key, 0) for row in rows)
         for key in ("proven", "faults", "undecided", "undecided, without a solution")
     )
     return (
-        f"**{found['proven']:.1f} % of the steps of {count} models** are proven at a tolerance of {AIM:g}, "
+        f"**{parts['proven']:.1f} % of the steps of {count} models** are proven at a tolerance of {AIM:g}, "
         f"{of_those:.1f} % where the certificate has the equations. In {scenes} random scenes, many of them "
         f"extreme, {random['proven']:.0f} % are proven. {faults or 'None'} of the {proofs} proofs "
         "contradicts its run. By an accurate solution no undecided candidate hides a contact; "
@@ -215,7 +218,7 @@ def fill(page: str) -> None:
     path = common.ROOT / page
     text = re.sub(
         r"<!-- (?!end )(\w+) -->(\n?).*?<!-- end -->",
-        lambda found: f"<!-- {found[1]} -->{2 * found[2]}{TABLES[found[1]]()}{2 * found[2]}<!-- end -->",
+        lambda match: f"<!-- {match[1]} -->{2 * match[2]}{TABLES[match[1]]()}{2 * match[2]}<!-- end -->",
         path.read_text(encoding="utf-8"),
         flags=re.DOTALL,
     )

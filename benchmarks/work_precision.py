@@ -39,8 +39,8 @@ peers.contenders(PROBLEMS["four"], 1e-8, 1.2, [{family!r}])[0][{name!r}].run()
 """
 SIZE = (WIDTH, 6.4)  # [inch] of the chart
 # the tolerance and the contender in the title, and the contender that is a part of the package
-TOLD_AT, PEER, ALONE = 1e-8, "CVODE Adams", "kernel alone"
-TOLD = 24  # the largest number of characters in a line of the reason why a contender is absent
+HEADLINE_TOLERANCE, PEER, KERNEL_ALONE = 1e-8, "CVODE Adams", "kernel alone"
+REASON_WIDTH = 24  # the largest number of characters in a line of the reason why a contender is absent
 ALL_ROUNDS: dict[str, Any] = {"linewidth": 3.0, "alpha": 0.3}
 """The look of the vertical line from the least to the largest time of all rounds."""
 
@@ -52,12 +52,12 @@ def measured(name: str, rounds: int) -> tuple[list[dict[str, Any]], dict[str, st
     """
     problem, expected = PROBLEMS[name], common.load("reference")["results"][name]
     stop, entries = problem.times[-1], {}
-    missing: dict[str, str] = {}
+    reasons: dict[str, str] = {}
     for tolerance in TOLERANCES:
-        found, missing = peers.contenders(problem, tolerance, stop)
-        for who, contender in found.items():
+        contenders, reasons = peers.contenders(problem, tolerance, stop)
+        for who, contender in contenders.items():
             entries[who, tolerance] = contender.run, judge(contender.outcome(), problem, expected, stop)
-    return [{"problem": name, **row} for row in race(entries, PUBLIC, rounds)], missing
+    return [{"problem": name, **row} for row in race(entries, PUBLIC, rounds)], reasons
 
 
 def start_up(name: str, cache: str = "") -> float | None:
@@ -68,11 +68,11 @@ def start_up(name: str, cache: str = "") -> float | None:
     """
     program = FIRST.format(family=peers.FAMILIES[name], name=name)
     environment = os.environ | ({"CHAIN_IMPACT_CACHE": cache} if cache else {})
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    done = subprocess.run([sys.executable, "-c", program], cwd=common.ROOT, env=environment, check=False)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    spent = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    return None if done.returncode else common.rounded(spent, 3)
+    usage_before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    process = subprocess.run([sys.executable, "-c", program], cwd=common.ROOT, env=environment, check=False)
+    usage_after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    spent = usage_after.ru_utime + usage_after.ru_stime - usage_before.ru_utime - usage_before.ru_stime
+    return None if process.returncode else common.rounded(spent, 3)
 
 
 def at_equal_error(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -81,36 +81,38 @@ def at_equal_error(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
     Public runs with other impacts or without a time are left out, and so are others without a time for this
     error.
     """
-    found = []
-    for mine in rows:
-        if mine["name"] != PUBLIC or "seconds" not in mine or not mine["right"]:
+    results = []
+    for public_row in rows:
+        if public_row["name"] != PUBLIC or "seconds" not in public_row or not public_row["right"]:
             continue
         times = {}
         for name in peers.FAMILIES:
-            theirs = [r for r in rows if (r["problem"], r["name"]) == (mine["problem"], name)]
-            seconds = seconds_at(mine["tip"], theirs)
+            peer_rows = [r for r in rows if (r["problem"], r["name"]) == (public_row["problem"], name)]
+            seconds = seconds_at(public_row["tip"], peer_rows)
             if seconds and name != PUBLIC:
-                times[name] = common.rounded(seconds / mine["seconds"]["median"], 3)
-        found.append({"problem": mine["problem"], "setting": mine["setting"], "times as long": times})
-    return found
+                times[name] = common.rounded(seconds / public_row["seconds"]["median"], 3)
+        results.append(
+            {"problem": public_row["problem"], "setting": public_row["setting"], "times as long": times}
+        )
+    return results
 
 
 def headline(equal: list[dict[str, Any]]) -> tuple[str, str]:
-    """Return title and text on how long peers take at the tolerance TOLD_AT; "" without times."""
-    found = {}
+    """Return title and text on how long peers take at the tolerance HEADLINE_TOLERANCE; "" without times."""
+    factors_by_name = {}
     for name in LOOKS:
-        mine = [row["times as long"] for row in equal if row["setting"] == TOLD_AT]
-        factors = [times[name] for times in mine if name in times]
+        all_times = [row["times as long"] for row in equal if row["setting"] == HEADLINE_TOLERANCE]
+        factors = [times[name] for times in all_times if name in times]
         if factors and peers.FAMILIES[name] != "ours":
-            found[name] = sorted(factors)
-    if not found:
+            factors_by_name[name] = sorted(factors)
+    if not factors_by_name:
         return "", ""
-    order = sorted(found, key=lambda name: found[name][-1])
-    chosen = PEER if PEER in found else order[-1]
-    parts = [f"{name} {_between(found[name])}" for name in order if name != chosen]
-    title = f"chain-impact is {_between(found[chosen])} times as fast as {chosen} "
+    order = sorted(factors_by_name, key=lambda name: factors_by_name[name][-1])
+    named_peer = PEER if PEER in factors_by_name else order[-1]
+    parts = [f"{name} {_between(factors_by_name[name])}" for name in order if name != named_peer]
+    title = f"chain-impact is {_between(factors_by_name[named_peer])} times as fast as {named_peer} "
     text = f"times as fast as others: {', '.join(parts)}" if parts else ""
-    return f"{title}at equal error (our tolerance {decade(TOLD_AT)})", text
+    return f"{title}at equal error (our tolerance {decade(HEADLINE_TOLERANCE)})", text
 
 
 def _between(factors: list[float]) -> str:
@@ -134,10 +136,12 @@ def draw(figure: Any, record: Any) -> None:
             axes.set(xlabel=label, ylabel="" if column else "CPU time [ms]")
             absent = {*record["settings"]["left out"]} - {row["name"] for row in rows}
             if absent and not line:
-                reasons = [f"{each} {record['settings']['left out'][each]}" for each in sorted(absent)]
-                where = {"transform": axes.transAxes, "ha": "right", "va": "top", "color": INK}
-                where["bbox"] = {"facecolor": "white", "edgecolor": "none", "pad": 1.5}
-                axes.text(1.0, 1.0, textwrap.fill("; ".join(reasons), TOLD), fontsize="small", **where)
+                reasons = [f"{family} {record['settings']['left out'][family]}" for family in sorted(absent)]
+                text_look = {"transform": axes.transAxes, "ha": "right", "va": "top", "color": INK}
+                text_look["bbox"] = {"facecolor": "white", "edgecolor": "none", "pad": 1.5}
+                axes.text(
+                    1.0, 1.0, textwrap.fill("; ".join(reasons), REASON_WIDTH), fontsize="small", **text_look
+                )
             if not line:
                 impacts = max((row["onsets"] for row in rows if row["right"]), default=0)
                 axes.set_title(f"{PROBLEMS[name].title}, {PROBLEMS[name].times[-1]:g} s\n{impacts} impacts")
@@ -149,16 +153,16 @@ def draw(figure: Any, record: Any) -> None:
     ]
     figure.legend(handles=keys, loc="outside lower center", ncols=len(keys))
     title, factors = headline(results["at equal error"])
-    told = [
+    parts = [
         factors,
         f"points of chain-impact from the right: tolerances {decade(TOLERANCES[0])} to "
         f"{decade(TOLERANCES[-1])}, in steps of 100",
-        f"{ALONE}: chain-impact without simulate()",
+        f"{KERNEL_ALONE}: chain-impact without simulate()",
     ]
     write_headline(
         figure,
         title or "CPU time over errors of the tip and of onsets",
-        SEPARATOR.join(filter(None, told)),
+        SEPARATOR.join(filter(None, parts)),
     )
     name_curves(figure, panels)
 
@@ -166,11 +170,11 @@ def draw(figure: Any, record: Any) -> None:
 def draw_runs(axes: Any, rows: list[dict[str, Any]], key: str) -> None:
     """Draw a curve for each contender, its range over the rounds, and crosses where it has other impacts."""
     for name in LOOKS:
-        mine = [row for row in rows if row["name"] == name]
-        right = [row for row in mine if row["right"]]
-        cost = [1e3 * r["seconds"]["median"] for r in right]
-        axes.loglog([r[key] for r in right], cost, label=name, **look(name))
-        for row in mine:
+        named_rows = [row for row in rows if row["name"] == name]
+        right_rows = [row for row in named_rows if row["right"]]
+        cost = [1e3 * r["seconds"]["median"] for r in right_rows]
+        axes.loglog([r[key] for r in right_rows], cost, label=name, **look(name))
+        for row in named_rows:
             ends = (1e3 * row["seconds"][end] for end in ("least", "largest"))
             axes.vlines(row[key], *ends, color=LOOKS[name][0], **ALL_ROUNDS)
             if not row["right"]:
@@ -187,12 +191,12 @@ def main() -> None:
     """Measure and draw."""
     rounds = common.rounds(__doc__, ROUNDS)
     started, rows = common.environment(peers.PACKAGES), []
-    missing: dict[str, str] = {}
+    reasons: dict[str, str] = {}
     for name in NAMES:
-        found, absent = measured(name, rounds)
-        rows += found
-        missing |= absent
-    for family, reason in missing.items():
+        new_rows, absent = measured(name, rounds)
+        rows += new_rows
+        reasons |= absent
+    for family, reason in reasons.items():
         print(f"left out: {family}: {reason}")
     results: dict[str, Any] = {"rows": rows, "at equal error": at_equal_error(rows)}
     started_up = {name: start_up(name) for name in dict.fromkeys(row["name"] for row in rows)}
@@ -203,7 +207,7 @@ def main() -> None:
     for row in results["at equal error"]:
         print(row)
     print(results["start-up [s]"], results.get("with an empty cache [s]"))
-    settings = {"tolerances": TOLERANCES, "rounds": rounds, "left out": missing}
+    settings = {"tolerances": TOLERANCES, "rounds": rounds, "left out": reasons}
     common.save("work_precision", started, settings, results)
     common.picture("work_precision", draw, SIZE)
 

@@ -57,12 +57,12 @@ def contenders(
     problem: Problem, tolerance: float, stop: float, families: Iterable[str] = tuple(FAMILIES.values())
 ) -> tuple[dict[str, Contender], dict[str, str]]:
     """Return name → contender, and for each family that cannot run: name → reason."""
-    found: dict[str, Contender] = {}
-    missing = {}
+    available: dict[str, Contender] = {}
+    reasons = {}
     for name in dict.fromkeys(families):
         try:
             family = importlib.import_module(f"{__name__}.{name}")
-            found |= family.contenders(problem, tolerance, stop)
+            available |= family.contenders(problem, tolerance, stop)
         except (ImportError, MissingError) as reason:
-            missing[name] = str(reason)
-    return found, missing
+            reasons[name] = str(reason)
+    return available, reasons

@@ -54,26 +54,26 @@ class Cvode(OnInstance):
         states = len(record["step"]["state"]) - CVODE
         self.settings = Settings(states, int(record["candidate_count"]), adams, careful, budget)
 
-    def run(self, seen: np.ndarray | None = None) -> int:
+    def run(self, extremes: np.ndarray | None = None) -> int:
         """Run once; return how many of the times are reached.
 
         Args:
-            seen: the highest energy [J], the largest penetration [m] and the largest depth without a
+            extremes: the highest energy [J], the largest penetration [m] and the largest depth without a
                 contact [m] at the times replace smaller numbers in it.
         """
         self.block[:] = self.fresh
         times, rows = self.times.ctypes.data, self.rows.ctypes.data
-        look = None if seen is None else seen.ctypes.data
-        done: int = self.driver.cvode_solve(
+        look = None if extremes is None else extremes.ctypes.data
+        reached_count: int = self.driver.cvode_solve(
             self.address, ctypes.byref(self.settings), times, len(self.times), rows, look
         )
-        self.rows[done + 1 :] = self.rows[min(done, len(self.rows) - 1)]
-        return done
+        self.rows[reached_count + 1 :] = self.rows[min(reached_count, len(self.rows) - 1)]
+        return reached_count
 
     def outcome(self) -> Outcome:
         """Run once more, and return the outcome."""
-        done, row = self.run(), self.rows[-1]
-        failed = "" if done == len(self.times) else f"CVODE's flag {row['flag']}"
+        reached_count, row = self.run(), self.rows[-1]
+        failed = "" if reached_count == len(self.times) else f"CVODE's flag {row['flag']}"
         return Outcome(*self.observed(), int(row["steps"]), int(row["rhs"]), failed)
 
 
@@ -96,13 +96,13 @@ def link_driver(library: Path, model: Path) -> None:
     """Compile the library of the driver by gcc; it loads the model's library."""
     gcc = ["gcc", "-O2", "-fPIC", "-shared", "-Wall", "-Wextra", "-Wl,--no-undefined", "-o", str(library)]
     libraries = [f"-lsundials_{name}" for name in SUNDIALS]
-    done = subprocess.run(
+    process = subprocess.run(
         [*gcc, str(DRIVER), str(model), *libraries, "-lm"], capture_output=True, text=True, check=False
     )
-    if "cvode/cvode.h" in done.stderr or "-lsundials" in done.stderr:
+    if "cvode/cvode.h" in process.stderr or "-lsundials" in process.stderr:
         raise MissingError("SUNDIALS is not installed: on Debian `apt-get install libsundials-dev`")
-    if done.returncode != 0 or done.stderr:
-        raise RuntimeError(done.stderr)
+    if process.returncode != 0 or process.stderr:
+        raise RuntimeError(process.stderr)
 
 
 def contenders(problem: Problem, tolerance: float, stop: float) -> dict[str, Contender]:

@@ -79,39 +79,39 @@ class Taylor(OnKernel):
         for i in range(len(lx)):
             place.append((place[i][0] + lx[i], place[i][1] + ly[i]))
             speed.append((speed[i][0] - v[2 + i] * ly[i], speed[i][1] + v[2 + i] * lx[i]))
-        found = []
+        gaps = []
         for point, wall in self.pairs:
             side, axis = 1.0 - 2.0 * (wall % 2), wall // 2
-            found.append(
+            gaps.append(
                 (side * (place[point][axis] - float(self.given["box_wall"][wall])), side * speed[point][axis])
             )
-        return found
+        return gaps
 
     def accelerations(self, q: Any, v: Any, loads: dict[int, list[Any]]) -> list[Any]:
         """Return q̈ by the recursion; ``loads``: point → force on the point along x and y [N]."""
-        given, (lx, ly) = self.given, self.links(q)
-        n, (gx, gy) = len(lx), (float(value) for value in given["gravity"])
+        chain, (lx, ly) = self.given, self.links(q)
+        n, (gx, gy) = len(lx), (float(value) for value in chain["gravity"])
         axx, axy, ayy = 0.0, 0.0, 0.0
-        bx, by = (-value for value in loads.get(n, (0.0, 0.0)))
+        bias_x, bias_y = (-value for value in loads.get(n, (0.0, 0.0)))
         gains: list[tuple[Any, Any, Any]] = [(0.0, 0.0, 0.0)] * n
         for i in range(n - 1, -1, -1):
-            m, centre, w2 = float(given["mass"][i]), float(given["center_of_mass"][i]), v[2 + i] * v[2 + i]
-            ratio = centre / float(given["length"][i])
+            m, centre, w2 = float(chain["mass"][i]), float(chain["center_of_mass"][i]), v[2 + i] * v[2 + i]
+            ratio = centre / float(chain["length"][i])
             sx, sy = m * ratio * lx[i], m * ratio * ly[i]
             px, py = axy * lx[i] - axx * ly[i], ayy * lx[i] - axy * ly[i]
-            dx = bx - w2 * (axx * lx[i] + axy * ly[i])
-            dy = by - w2 * (axy * lx[i] + ayy * ly[i])
+            dx = bias_x - w2 * (axx * lx[i] + axy * ly[i])
+            dy = bias_y - w2 * (axy * lx[i] + ayy * ly[i])
             hx, hy_ = px - sy, py + sx
-            inverse = 1.0 / (float(given["inertia"][i]) + m * centre**2 + lx[i] * py - ly[i] * px)
+            inverse = 1.0 / (float(chain["inertia"][i]) + m * centre**2 + lx[i] * py - ly[i] * px)
             h0 = lx[i] * dy - ly[i] * dx + sy * gx - sx * gy
             kx, ky = hx * inverse, hy_ * inverse
             axx, axy, ayy = axx + m - hx * kx, axy - hx * ky, ayy + m - hy_ * ky
-            bx, by = dx - w2 * sx - m * gx - kx * h0, dy - w2 * sy - m * gy - ky * h0
+            bias_x, bias_y = dx - w2 * sx - m * gx - kx * h0, dy - w2 * sy - m * gy - ky * h0
             if i in loads:
-                bx, by = bx - loads[i][0], by - loads[i][1]
+                bias_x, bias_y = bias_x - loads[i][0], bias_y - loads[i][1]
             gains[i] = kx, ky, h0 * inverse
         determinant = axx * ayy - axy * axy
-        ax, ay = (axy * by - ayy * bx) / determinant, (axy * bx - axx * by) / determinant
+        ax, ay = (axy * bias_y - ayy * bias_x) / determinant, (axy * bias_x - axx * bias_y) / determinant
         out = [ax, ay]
         for i in range(n):
             a, w2 = -(gains[i][0] * ax + gains[i][1] * ay + gains[i][2]), v[2 + i] * v[2 + i]
@@ -148,9 +148,9 @@ class Taylor(OnKernel):
     def outcome(self) -> Outcome:
         """Run once more, and return the outcome, without the number of evaluations."""
         steps, failed = self.run()
-        found = self.finished(steps, failed)
-        found.rhs = None
-        return found
+        result = self.finished(steps, failed)
+        result.rhs = None
+        return result
 
 
 def contenders(problem: Problem, tolerance: float, stop: float) -> dict[str, Contender]:

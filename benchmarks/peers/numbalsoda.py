@@ -18,7 +18,7 @@ from benchmarks.problems import Problem
 
 
 @njit
-def run_segment(rate, least, address, y, found, stop, tolerance, grid, clock):  # noqa: PLR0917
+def run_segment(rate, event, address, y, changes, stop, tolerance, grid, clock):  # noqa: PLR0917
     """Integrate from y at clock[0] [s], with a first step clock[1] [s], to the next event or to ``stop``.
 
     On success ``y`` and clock[0] are then those of this end.
@@ -27,28 +27,30 @@ def run_segment(rate, least, address, y, found, stop, tolerance, grid, clock):  
         Whether it succeeds, whether it ends with an event, and the states at the ends of the steps, or at the
         times of ``grid`` if it has any.
     """
-    done = solve_ivp(
-        rate, np.array([clock[0], stop]), y, grid, "DOP853", 0 if len(found) == 0 else 1, least, address,
+    solution = solve_ivp(
+        rate, np.array([clock[0], stop]), y, grid, "DOP853", 0 if len(changes) == 0 else 1, event, address,
         min(clock[1], stop - clock[0]), 0.0, tolerance, tolerance,
     )  # fmt: skip
-    if done.success:
-        y[:] = done.y_event if done.event_found else done.y[-1]
-        clock[0] = done.t_event if done.event_found else stop
-    return done.success, done.event_found, done.y
+    if solution.success:
+        y[:] = solution.y_event if solution.event_found else solution.y[-1]
+        clock[0] = solution.t_event if solution.event_found else stop
+    return solution.success, solution.event_found, solution.y
 
 
 @njit
-def run_dop853(switch, rate, least, address, y, found, stop, tolerance, grid):  # noqa: PLR0917
+def run_dop853(switch, rate, least_event, address, y, changes, stop, tolerance, grid):  # noqa: PLR0917
     """Integrate from y at 0 s to ``stop``; return the number of steps, −1 on failure."""
     clock, steps = np.zeros(2), 0
     while clock[0] < stop:
-        succeeds, event, states = run_segment(rate, least, address, y, found, stop, tolerance, grid, clock)
+        succeeds, event, states = run_segment(
+            rate, least_event, address, y, changes, stop, tolerance, grid, clock
+        )
         if not succeeds:
             return -1
         steps += len(states) - 1
         if event:
             clock[1] = 1.0
-            switch(address, clock.ctypes.data, y.ctypes.data, found.ctypes.data)
+            switch(address, clock.ctypes.data, y.ctypes.data, changes.ctypes.data)
     return steps
 
 

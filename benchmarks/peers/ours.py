@@ -46,8 +46,8 @@ class OnInstance:
         # ``count`` counts all contacts, but the log has only the latest, so ``count`` is cut to its rows
         log = record["contact_log"]
         log["count"] = min(log["count"], len(log["point"]))
-        found = np.concatenate([self.instance.collect(), self.instance.open_contacts()])
-        onsets = [(pairs.index((row["point"], row["wall"])), float(row["onset"])) for row in found]
+        rows = np.concatenate([self.instance.collect(), self.instance.open_contacts()])
+        onsets = [(pairs.index((row["point"], row["wall"])), float(row["onset"])) for row in rows]
         return state, sorted(onsets, key=lambda row: row[1])
 
 

@@ -18,8 +18,8 @@ from chain_impact.scene.scene import Scene
 @njit
 def call(function, t, y, address, count):
     """Return the ``count`` numbers that a C function fills for a time and a state."""
-    out, whole = np.empty(count), np.ascontiguousarray(y)  # columns of a matrix are not contiguous
-    function(t, whole.ctypes.data, out.ctypes.data, address)
+    out, contiguous = np.empty(count), np.ascontiguousarray(y)  # columns of a matrix are not contiguous
+    function(t, contiguous.ctypes.data, out.ctypes.data, address)
     return out
 
 

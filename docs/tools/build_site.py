@@ -30,10 +30,10 @@ def make_pages(notebooks: list[Path], folder: Path) -> None:
     """Run notebooks, and write each as a page with its pictures; raise a RuntimeError if a cell fails."""
     convert = [sys.executable, "-W", "ignore", "-m", "nbconvert", "--log-level", "ERROR"]
     convert += ["--execute", "--to", "markdown", "--output-dir", str(folder)]
-    done = subprocess.run([*convert, *map(str, notebooks)], check=False, capture_output=True, text=True)
+    process = subprocess.run([*convert, *map(str, notebooks)], check=False, capture_output=True, text=True)
     # without an error, stderr has only warnings about the connection to the process that runs the notebook
-    if done.returncode != 0:
-        raise RuntimeError(f"a notebook does not run:\n{done.stderr}")
+    if process.returncode != 0:
+        raise RuntimeError(f"a notebook does not run:\n{process.stderr}")
 
 
 def write_words() -> None:
@@ -59,10 +59,10 @@ def add_links(folder: Path, address: str) -> None:
     for notebook in NOTEBOOKS if address else ():
         page = folder / f"{notebook.stem}.md"
         link = f"https://colab.research.google.com/github/{address}/blob/main/docs/notebooks/{notebook.name}"
-        title, below = page.read_text(encoding="utf-8").split("\n", 1)
+        title, rest = page.read_text(encoding="utf-8").split("\n", 1)
         install = f"%pip install 'chain-impact @ git+{GITHUB}{address}'"
-        said = f"[Open this notebook in Colab]({link}), and run there first: `{install}`"
-        page.write_text(f"{title}\n\n{said}\n{below}", encoding="utf-8")
+        invitation = f"[Open this notebook in Colab]({link}), and run there first: `{install}`"
+        page.write_text(f"{title}\n\n{invitation}\n{rest}", encoding="utf-8")
 
 
 def finish() -> None:

@@ -27,7 +27,7 @@ from docs.tools import DOCS
 
 PICTURE = DOCS / "images" / "restitution.png"
 SAMPLES = np.linspace(0.005, 1.0, 200)
-NAMED = {
+NAMED_LAWS = {
     "hunt_crossley": "much used",
     "lankarani_nikravesh": "much used",
     "flores": "much used",
@@ -39,8 +39,8 @@ NAMED = {
 LONGEST_RUN = 200.0
 NO_FRICTION = {"friction": 0.0, "static_friction": 0.0}  # a free impact has no motion along the wall
 HEIGHT = 1e-3  # [m] distance from the wall at the start of a free impact
-# a law counts as accurate if its error is at most NEAR at all restitutions from FROM on
-FROM, NEAR = 0.5, 0.05
+# a law counts as accurate if its error is at most LARGEST_ERROR at all restitutions from FROM on
+FROM, LARGEST_ERROR = 0.5, 0.05
 
 
 def free_impact(contact: Contact, mass: float, speed: float) -> np.void:
@@ -73,40 +73,40 @@ def curve(law: ContactLaw) -> np.ndarray:
 
 def groups() -> dict[str, list[ContactLaw]]:
     """Return formulas → the laws with these; laws with the same formulas share a curve."""
-    found: dict[str, list[ContactLaw]] = {}
+    laws_by_formula: dict[str, list[ContactLaw]] = {}
     for law in CONTACT_LAWS.values():
         if not law.rigid:
-            found.setdefault(f"{law.force} {law.formula}", []).append(law)
-    return found
+            laws_by_formula.setdefault(f"{law.force} {law.formula}", []).append(law)
+    return laws_by_formula
 
 
 def look(names: list[str]) -> dict[str, object]:
     """Return the style of the curve of some laws."""
-    named = next((name for name in names if name in NAMED), None)
-    if named is None:
+    named_law = next((name for name in names if name in NAMED_LAWS), None)
+    if named_law is None:
         return {"color": GREY, "linewidth": 0.9, "zorder": 1}
-    width, layer = (3.5, 2) if named == EXACT_LAW else (1.8, 3)
-    return law_look(named) | {"linewidth": width, "zorder": layer}
+    width, layer = (3.5, 2) if named_law == EXACT_LAW else (1.8, 3)
+    return law_look(named_law) | {"linewidth": width, "zorder": layer}
 
 
 def draw(path: Path) -> None:
     """Draw the realised restitution on the left, and its error on the right."""
-    near = total = 0
-    others: dict[str, float] = {}
+    accurate = total = 0
+    other_ends: dict[str, float] = {}
     with mpl.rc_context(STYLE):
         page = Figure(figsize=(10.5, 4.4), dpi=DPI, layout="constrained")
         value, error = page.subplots(1, 2)
         for laws in groups().values():
             names, e_out = [law.id for law in laws], curve(laws[0])
-            reason = next((f" ({NAMED[name]})" for name in names if name in NAMED), None)
+            reason = next((f" ({NAMED_LAWS[name]})" for name in names if name in NAMED_LAWS), None)
             label = {"label": ", ".join(names) + reason} if reason else {}
-            others |= {} if reason else dict.fromkeys(names, float(np.interp(FROM, SAMPLES, e_out)))
+            other_ends |= {} if reason else dict.fromkeys(names, float(np.interp(FROM, SAMPLES, e_out)))
             value.plot(SAMPLES, e_out, **look(names), **label)
             error.plot(SAMPLES, e_out - SAMPLES, **look(names))
             total += len(names)
-            near += len(names) * bool(np.abs(e_out - SAMPLES)[FROM <= SAMPLES].max() <= NEAR)
-        ends = " to ".join(choose(others, key=lambda name: others[name]) for choose in (min, max))
-        value.plot([], [], color=GREY, label=f"{len(others)} others, from {ends}")
+            accurate += len(names) * bool(np.abs(e_out - SAMPLES)[FROM <= SAMPLES].max() <= LARGEST_ERROR)
+        ends = " to ".join(choose(other_ends, key=lambda name: other_ends[name]) for choose in (min, max))
+        value.plot([], [], color=GREY, label=f"{len(other_ends)} others, from {ends}")
         value.set(
             xlabel="prescribed restitution e", ylabel="realised restitution", xlim=(0, 1), ylim=(0, 1.02)
         )
@@ -114,7 +114,7 @@ def draw(path: Path) -> None:
         error.set(ylim=(-0.15, 0.15))
         write_headline(
             page,
-            f"{near} of {total} laws that are a force realise e within {NEAR} from e = {FROM} on",
+            f"{accurate} of {total} laws that are a force realise e within {LARGEST_ERROR} from e = {FROM} on",
             "free impacts of 1 kg at 1 m/s",
         )
         legend_at_foot(page, value.get_legend_handles_labels()[0])

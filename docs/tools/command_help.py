@@ -15,21 +15,24 @@ SHARED = {"help", "quiet", "source", "set"}  # arguments of several commands, wh
 
 def command_line() -> str:
     """Return the help of every command."""
-    whole = cli.parser()
-    verbs = next(action.choices for action in whole._actions if isinstance(action.choices, dict))
+    parser = cli.parser()
+    verbs = next(action.choices for action in parser._actions if isinstance(action.choices, dict))
     having: dict[str, list[str]] = {}  # rows of an argument or option → the commands with this row
     for name, verb in verbs.items():
         for rows in _all_rows(verb):
             having.setdefault(rows, []).append(name)
-    several: dict[str, list[str]] = {}  # commands → the rows of their common options
+    shared_rows: dict[str, list[str]] = {}  # commands → the rows of their common options
     for rows, names in having.items():
         if len(names) > 1:
-            several.setdefault(", ".join(names), []).append(rows)
-    common = "\n".join("\n".join([f"{names}:", *rows]) for names, rows in several.items())
-    blocks = [_block(_usage(whole), *_all_rows(whole)), f"## Options of several commands\n\n{_block(common)}"]
+            shared_rows.setdefault(", ".join(names), []).append(rows)
+    common = "\n".join("\n".join([f"{names}:", *rows]) for names, rows in shared_rows.items())
+    blocks = [
+        _block(_usage(parser), *_all_rows(parser)),
+        f"## Options of several commands\n\n{_block(common)}",
+    ]
     for name, verb in verbs.items():
-        own = [rows for rows in _all_rows(verb) if len(having[rows]) == 1]
-        blocks.append(f"## {name}\n\n{_block(_usage(verb), *own)}")
+        own_rows = [rows for rows in _all_rows(verb) if len(having[rows]) == 1]
+        blocks.append(f"## {name}\n\n{_block(_usage(verb), *own_rows)}")
     return "\n\n".join(blocks)
 
 
@@ -51,8 +54,8 @@ def _usage(parser: ArgumentParser) -> str:
         if action.option_strings and action.required:
             parts.append(f"{action.option_strings[0]} {name}")
         elif not action.option_strings:
-            shown = {"?": f"[{name}]", "+": f"{name} [{name} ...]", "A...": f"{name} ..."}
-            parts.append(shown.get(str(action.nargs), str(name)))
+            forms = {"?": f"[{name}]", "+": f"{name} [{name} ...]", "A...": f"{name} ..."}
+            parts.append(forms.get(str(action.nargs), str(name)))
     return " ".join(parts)
 
 
@@ -68,6 +71,6 @@ def _rows(parser: ArgumentParser, action: Action) -> Iterator[str]:
     value = [] if action.nargs == 0 else [str(action.metavar or choices or action.dest.upper())]
     head = "  " + " ".join([", ".join(action.option_strings), *value]).strip()
     text = parser._get_formatter()._expand_help(action).removesuffix(REPEATED)
-    below = "\n" + " " * SECOND
-    lines = below.join(textwrap.wrap(text, WIDTH - SECOND, break_on_hyphens=False))
-    yield (head + below + lines if len(head) + 2 > SECOND else head.ljust(SECOND) + lines).rstrip()
+    line_break = "\n" + " " * SECOND
+    lines = line_break.join(textwrap.wrap(text, WIDTH - SECOND, break_on_hyphens=False))
+    yield (head + line_break + lines if len(head) + 2 > SECOND else head.ljust(SECOND) + lines).rstrip()

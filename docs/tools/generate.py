@@ -47,7 +47,7 @@ MATERIALS = {
 
 def filled(page: str) -> str:
     """Return the text of a page with tables and the number of contact laws from the code."""
-    text = BLOCK.sub(lambda found: f"{found[1]}{found[2]}\n{TABLES[found[1]]()}\n\n", page)
+    text = BLOCK.sub(lambda match: f"{match[1]}{match[2]}\n{TABLES[match[1]]()}\n\n", page)
     return LAW_COUNT.sub(str(len(CONTACT_LAWS)), text)
 
 
@@ -58,16 +58,16 @@ def contact_laws() -> str:
     """Return tables of all contact laws: the Hunt–Crossley family, the other forces, rigid walls."""
     family = [law for law in CONTACT_LAWS.values() if law.in_family]
     rigid = [law for law in CONTACT_LAWS.values() if law.rigid]
-    others = [law for law in CONTACT_LAWS.values() if not (law.in_family or law.rigid)]
+    other_laws = [law for law in CONTACT_LAWS.values() if not (law.in_family or law.rigid)]
     return "\n\n".join(
         [
             "### The Hunt–Crossley family",
             table(("id", "law", "λ(e)", "within 5 % for"), map(_law_row, family)),
             "### Other powers of the penetration in the damping",
-            table(("id", "law", "f(e)", "within 5 % for"), map(_law_row, others)),
+            table(("id", "law", "f(e)", "within 5 % for"), map(_law_row, other_laws)),
             table(
                 ("id", "force, where not cut off at 0", "damping d", "exponent n"),
-                ((code(law.id), law.force, law.damping, f"{law.exponent:g}") for law in others),
+                ((code(law.id), law.force, law.damping, f"{law.exponent:g}") for law in other_laws),
             ),
             "### Rigid walls",
             table(("id", "law", "f(e)", "within 5 % for"), map(_law_row, rigid)),
@@ -118,11 +118,11 @@ def restitutions() -> str:
         combined = young / (2.0 * (1.0 - poisson**2))
         # the kinetic energy of the sphere, relative to yield stress Y times R³: its mass m is (4/3) π ρ R³,
         # so ½ m v² / (Y R³) = (2/3) π ρ v² / Y; the restitution is from Johnson 1985, chapter 11
-        found = (
+        values = (
             3.8 * math.sqrt(stress / combined) * (2.0 / 3.0 * math.pi * density * speed**2 / stress) ** -0.125
             for speed in SPEEDS
         )
-        rows.append((name, f"{stress / 1e6:g}", *(f"{e:.2f}" for e in found)))
+        rows.append((name, f"{stress / 1e6:g}", *(f"{e:.2f}" for e in values)))
     return table(("metal", "Y [MPa]", *(f"e at {speed:g} m/s" for speed in SPEEDS)), rows)
 
 
@@ -135,14 +135,14 @@ def measured_impacts() -> str:
     Laws with equal errors share a row.
     """
     record = json.loads((RESULTS / "measured_impacts.json").read_text(encoding="utf-8"))
-    facts, found = record["results"]["facts"], record["results"]["odd trials"]
-    predicted = {name: one for name, one in found.items() if "median" in one}
+    facts, trials = record["results"]["facts"], record["results"]["odd trials"]
+    predicted = {name: result for name, result in trials.items() if "median" in result}
     rows: dict[tuple[str, ...], list[str]] = {}
-    for name, one in predicted.items():
-        cells = tuple(f"{one[key]:.2f}" for key in ("contact.friction", "median", "90 %"))
-        rows.setdefault(cells, []).append(_model(name, one))
+    for name, result in predicted.items():
+        cells = tuple(f"{result[key]:.2f}" for key in ("contact.friction", "median", "90 %"))
+        rows.setdefault(cells, []).append(_model(name, result))
     head = ("law, with its fitted e", "µ", "median error [m/s]", "90 % below")
-    back = sorted(one["moves back"] for one in predicted.values())
+    back = sorted(result["moves back"] for result in predicted.values())
     return (
         f"Measured {record['date'][:10]} at commit `{record['commit'][:7]}`. The median speed is "
         f"{facts['speed']:.2f} m/s.\n\n"
@@ -159,12 +159,12 @@ MOST_NAMED_LAWS = 3  # largest number of named laws in a row of the table of mea
 def _few(names: list[str]) -> str:
     """Return some names, the default law first, and the number of the other names."""
     names = sorted(names, key=lambda name: "`zhang_sharf`" not in name)
-    others = f", and {len(names) - MOST_NAMED_LAWS} others" if len(names) > MOST_NAMED_LAWS else ""
-    return ", ".join(names[:MOST_NAMED_LAWS]) + others
+    rest_text = f", and {len(names) - MOST_NAMED_LAWS} others" if len(names) > MOST_NAMED_LAWS else ""
+    return ", ".join(names[:MOST_NAMED_LAWS]) + rest_text
 
 
-def _model(name: str, found: dict[str, float]) -> str:
-    e, ratio = found["contact.restitution"], found.get("ratio of the stiffnesses")
+def _model(name: str, result: dict[str, float]) -> str:
+    e, ratio = result["contact.restitution"], result.get("ratio of the stiffnesses")
     return f"{code(name) if ratio is None else f'spring of {ratio:.2g} K along the wall:'} {e:.2f}"
 
 
@@ -174,22 +174,22 @@ def measured_arm() -> str:
     The table has a column for the model with dry friction and one for the model without it.
     """
     record = json.loads((RESULTS / "measured_arm.json").read_text(encoding="utf-8"))
-    found = record["results"]
-    names = max((list(one["parameters"]) for one in found.values()), key=len)
+    results = record["results"]
+    names = max((list(result["parameters"]) for result in results.values()), key=len)
     rows = [
-        (code(name), *(_interval(one["parameters"].get(name)) for one in found.values()))
+        (code(name), *(_interval(result["parameters"].get(name)) for result in results.values()))
         for name in names
         if "joint" in name
     ]
     for run in ("fitted", "unseen"):
-        errors = (f"{one[f'rms, {run}']:.3f}" for one in found.values())
+        errors = (f"{result[f'rms, {run}']:.3f}" for result in results.values())
         rows.append((f"error, rms [rad], {run} run", *errors))
     when = f"Measured {record['date'][:10]} at commit `{record['commit'][:7]}`."
-    return f"{when}\n\n" + table(("", *found), rows)
+    return f"{when}\n\n" + table(("", *results), rows)
 
 
-def _interval(one: dict[str, float] | None) -> str:
-    return "–" if one is None else f"{round(one['value'], 6):.3g} ± {one['±']:.2g}"
+def _interval(estimate: dict[str, float] | None) -> str:
+    return "–" if estimate is None else f"{round(estimate['value'], 6):.3g} ± {estimate['±']:.2g}"
 
 
 TABLES = {

@@ -43,7 +43,7 @@ PROGRAMS = (
     "-m benchmarks tables --charts",
 )
 """The arguments with which Python draws images."""
-OTHERS = {"carried_arm", "controlled_arm", "golf_ball", "steel_bar", "triple_pendulum"}
+MODELS_OF_PROGRAMS = {"carried_arm", "controlled_arm", "golf_ball", "steel_bar", "triple_pendulum"}
 """The models without an image of their simulated motion; a program of PROGRAMS draws their images."""
 OF_PAGES = {
     "fit.md": {"fit.png": "fit.png"},
@@ -56,27 +56,29 @@ BLOCK = re.compile(r'^```(\w+)(?: title="([^"]*)")?\n(.*?)^```$', re.M | re.S)
 COLOURS = 256  # the number of colours of an image, which keeps its file small
 
 
-def main(wanted: list[str]) -> None:
+def main(parts: list[str]) -> None:
     """Run all programs, one after the other; then draw the models and the pictures of pages."""
     (DOCS.parent / "build").mkdir(exist_ok=True)
     models = [
-        f"{CLI} simulate {name} --plot docs/images/{name}.png" for name in model_names() if name not in OTHERS
+        f"{CLI} simulate {name} --plot docs/images/{name}.png"
+        for name in model_names()
+        if name not in MODELS_OF_PROGRAMS
     ]
-    before = {image: image.stat().st_mtime for image in IMAGES.glob("*.png")}
-    for program in chosen([*models, *PROGRAMS], wanted):
+    times = {image: image.stat().st_mtime for image in IMAGES.glob("*.png")}
+    for program in chosen([*models, *PROGRAMS], parts):
         print(program, flush=True)
         run(*shlex.split(program))
-    for page in chosen(OF_PAGES, wanted):
+    for page in chosen(OF_PAGES, parts):
         print(page, flush=True)
         draw_page(page)
     for image in IMAGES.glob("*.png"):
-        if image.stat().st_mtime != before.get(image):
+        if image.stat().st_mtime != times.get(image):
             shrink(image)
 
 
-def chosen(names: list[str] | dict[str, dict[str, str]], wanted: list[str]) -> list[str]:
-    """Return the names that contain one of the texts ``wanted``; all names if ``wanted`` is empty."""
-    return [name for name in names if not wanted or any(part in name for part in wanted)]
+def chosen(names: list[str] | dict[str, dict[str, str]], parts: list[str]) -> list[str]:
+    """Return the names that contain one of the texts ``parts``; all names if ``parts`` is empty."""
+    return [name for name in names if not parts or any(part in name for part in parts)]
 
 
 def run(*arguments: str, folder: Path = DOCS.parent) -> None:
@@ -108,8 +110,8 @@ def shrink(image: Path) -> None:
         words = PngInfo()
         for key, text in getattr(picture, "text", {}).items():
             words.add_itxt(key, text)
-        few = picture.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
-    few.save(image, optimize=True, pnginfo=words)
+        reduced = picture.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+    reduced.save(image, optimize=True, pnginfo=words)
 
 
 if __name__ == "__main__":

@@ -18,6 +18,6 @@ def code(text: object) -> str:
 
 def short_description(description: str) -> str:
     """Return a description without "of (in) the joint nearer to the base", "of the model", "for its FMU"."""
-    for said in (" of the joint nearer to the base", " in the joint nearer to the base", " of the model"):
-        description = description.replace(said, "")
+    for phrase in (" of the joint nearer to the base", " in the joint nearer to the base", " of the model"):
+        description = description.replace(phrase, "")
     return description.removesuffix(", for its FMU")

@@ -55,9 +55,9 @@ def draw() -> Figure:
     panels = figure.subplots(2, 3).ravel()
     peaks = {}
     for law in LAWS:
-        time, *others = curves(law).items()
-        peaks[law] = {title.partition(" [")[0]: float(values.max()) for title, values in others}
-        for axes, (title, values) in zip(panels, others, strict=True):
+        time, *other_curves = curves(law).items()
+        peaks[law] = {title.partition(" [")[0]: float(values.max()) for title, values in other_curves}
+        for axes, (title, values) in zip(panels, other_curves, strict=True):
             axes.plot(time[1], values, **law_look(law), linewidth=1.3, label=law)
             axes.set(ylabel=title)
     for axes in panels:

@@ -24,8 +24,8 @@ def scene_reference() -> str:
         rows = sections.setdefault(section, [])
         if entry.metadata and not _is_table(entry.type):
             rule = entry.metadata
-            meaning, _, missing = short_description(rule["description"]).partition("; if missing: ")
-            default = _other(entry) or missing or _default(simple_default(rule))
+            meaning, _, default_text = short_description(rule["description"]).partition("; if missing: ")
+            default = _other(entry) or default_text or _default(simple_default(rule))
             if default == AS_IN_CONTACT:  # the list has allowed values and meaning at the key of [contact]
                 rows.append((code(name), default, ""))
             else:
@@ -52,13 +52,13 @@ def _joined(rows: Iterable[Sequence[str]]) -> Iterable[str]:
         yield f"- {', '.join(keys)}{value}" + (f": {meaning}" if meaning else "")
 
 
-def _value(default: str, allowed: str) -> str:
+def _value(default: str, range_text: str) -> str:
     """Return the default with its unit, and the range. A default among choices is bold."""
-    if default and default in allowed.split(", "):
-        return allowed.replace(default, f"**{default}**", 1)
-    limits, unit = re.findall(r"^(.*?) ?(\[[^,]*\])?$", allowed)[0]
+    if default and default in range_text.split(", "):
+        return range_text.replace(default, f"**{default}**", 1)
+    limits, unit = re.findall(r"^(.*?) ?(\[[^,]*\])?$", range_text)[0]
     if "each" in limits:  # the unit is that of each entry of a list, and stays at its place
-        return ", ".join(filter(None, (default, allowed)))
+        return ", ".join(filter(None, (default, range_text)))
     return ", ".join(filter(None, (f"{default} {unit}".strip(), limits)))
 
 
@@ -69,8 +69,10 @@ def _is_table(kind: Any) -> bool:
 def _other(entry: Any) -> str:
     """Return "required without `x`" for a key that must be given if the key x is not; else ""."""
     pairs = ((dataclasses.fields(table), names) for table, names in ALTERNATIVES.items())
-    others = (set(names) - {entry.name} for fields, names in pairs if entry in fields and entry.name in names)
-    return next((f"required without {code(*other)}" for other in others), "")
+    other_names = (
+        set(names) - {entry.name} for fields, names in pairs if entry in fields and entry.name in names
+    )
+    return next((f"required without {code(*other_name)}" for other_name in other_names), "")
 
 
 def _default(default: Any) -> str:

@@ -34,13 +34,13 @@ def _table(table: Any) -> dict[str, Any]:
     rules: dict[str, Any] = {"type": "object", "additionalProperties": False}
     rules |= {"description": _sentence(table.__doc__)} if table is not Scene else {}
     rules["properties"] = {entry.name: _key(entry) for entry in entries}
-    if needed := [entry.name for entry in entries if _is_needed(entry)]:
-        rules["required"] = needed
+    if required := [entry.name for entry in entries if _is_needed(entry)]:
+        rules["required"] = required
     if table in ALTERNATIVES:
         rules["oneOf"] = [{"required": [key]} for key in ALTERNATIVES[table]]
     for entry in entries:
         file = entry.metadata.get("extended_by")
-        if file in {one.name for one in entries}:
+        if file in {field.name for field in entries}:
             # without a law file, only the laws of the package are allowed
             has_file = {"required": [file], "properties": {file: {"minLength": 1}}}
             choices = {"properties": {entry.name: {"enum": list(entry.metadata["choices"])}}}
@@ -52,7 +52,7 @@ def _is_needed(entry: Any) -> bool:
     """Return whether a key has no default; for a table, whether a key in it has none, or two alternatives."""
     if dataclasses.is_dataclass(entry.type):
         return entry.type in ALTERNATIVES or any(
-            _is_needed(inner) for inner in key_fields(cast("Any", entry.type))
+            _is_needed(field) for field in key_fields(cast("Any", entry.type))
         )
     return entry.metadata["default"] is dataclasses.MISSING
 
@@ -65,8 +65,8 @@ def _key(entry: Any) -> dict[str, Any]:
     if dataclasses.is_dataclass(kind := without_none(entry.type)):
         return _table(kind)
     if get_origin(kind) is Mapping:
-        inner = _table(entry_type(entry.type))
-        return {"type": "object", "description": inner["description"], "additionalProperties": inner}
+        table = _table(entry_type(entry.type))
+        return {"type": "object", "description": table["description"], "additionalProperties": table}
     rule = entry.metadata
     text = rule["description"] + bracketed_unit(rule["unit"])
     default = simple_default(rule)
@@ -84,7 +84,7 @@ def _value(kind: Any, rule: Any) -> dict[str, Any]:
     rules: dict[str, Any] = {"type": TYPES[kind]}
     units = DEGREES if rule["unit_by"] else (rule["unit"],)
     if patterns := list(filter(None, map(degrees_pattern, units))):
-        rules |= {"type": ["number", "string"], "pattern": "|".join(f"^{one}$" for one in patterns)}
+        rules |= {"type": ["number", "string"], "pattern": "|".join(f"^{pattern}$" for pattern in patterns)}
     rules |= {name: rule[limit] for limit, name in LIMITS.items() if rule[limit] is not None}
     if rule["choices"] is not None:
         choices = {"enum": list(rule["choices"])}
@@ -106,5 +106,5 @@ def _list(kind: Any, rule: Any) -> dict[str, Any]:
         rules["minItems"], rules["maxItems"] = rule["entries"]
     elif ... not in rest:
         rules["minItems"] = rules["maxItems"] = 1 + len(rest)
-    other = "boolean" if rule["or_true"] else "string" if rule["or_one"] else ""
-    return {"anyOf": [{"type": other}, rules]} if other else rules
+    kind_of_single = "boolean" if rule["or_true"] else "string" if rule["or_one"] else ""
+    return {"anyOf": [{"type": kind_of_single}, rules]} if kind_of_single else rules

@@ -60,12 +60,12 @@ def by_kind(changes: np.ndarray, result: Result) -> dict[str, np.ndarray]:
     ``changes``: shape (…, P).
     """
     names = list(slopes_of(result).parameters)
-    found = {}
+    changes_by_kind = {}
     for kind, members in KINDS.items():
-        own = changes[..., [names.index(name) for name in members]]
-        largest = np.abs(np.nan_to_num(own)).argmax(axis=-1)[..., np.newaxis]
-        found[kind] = np.take_along_axis(own, largest, axis=-1)[..., 0]
-    return found
+        member_changes = changes[..., [names.index(name) for name in members]]
+        largest_member = np.abs(np.nan_to_num(member_changes)).argmax(axis=-1)[..., np.newaxis]
+        changes_by_kind[kind] = np.take_along_axis(member_changes, largest_member, axis=-1)[..., 0]
+    return changes_by_kind
 
 
 def moved(result: Result) -> dict[str, np.ndarray]:
@@ -95,17 +95,17 @@ def message(result: Result) -> str:
     is_known &= np.isfinite([*sizes.values()]).all(axis=0)
     row = int(np.flatnonzero(is_known)[-1])
     ends = {kind: size[row] for kind, size in sizes.items()}
-    most, least = max(ends, key=ends.__getitem__), min(ends, key=ends.__getitem__)
-    ratio = float(f"{ends[most] / ends[least]:.2g}")
+    strongest, weakest = max(ends, key=ends.__getitem__), min(ends, key=ends.__getitem__)
+    ratio = float(f"{ends[strongest] / ends[weakest]:.2g}")
     count = int((result.impacts["onset"] <= result.time[row]).sum())
-    after = f"{result.time[row]:.2g} s, after {count} impacts"
-    return f"1 % of {most} moves the tip {ratio:.0f} times as far as 1 % of {least} at {after}"
+    time_text = f"{result.time[row]:.2g} s, after {count} impacts"
+    return f"1 % of {strongest} moves the tip {ratio:.0f} times as far as 1 % of {weakest} at {time_text}"
 
 
 def draw_motion(axes: Axes, result: Result) -> None:
     """Draw the displacement of the tip over time, with the name of each kind at the end of its curve."""
     sizes, are_predicted, height = moved(result), is_predicted(result), 0.0
-    for kind in sorted(sizes, key=lambda each: sizes[each][-1]):
+    for kind in sorted(sizes, key=lambda name: sizes[name][-1]):
         for is_shown, opacity in ((are_predicted[kind], 1.0), (~are_predicted[kind], PALE)):
             shown_sizes = np.where(is_shown, sizes[kind], np.nan)
             axes.plot(result.time, shown_sizes, color=COLOURS[kind], linewidth=1.5, alpha=opacity)

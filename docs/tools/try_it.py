@@ -58,8 +58,8 @@ def gallery() -> Iterator[tuple[str, list[str]]]:
 def row(model: str) -> str:
     """Return the list entry of a model."""
     show = f'<a href="{FOLDER}/{model}.html" target="try">{model}</a>'
-    more = f'<a href="models/{model}.html">more</a>'
-    return f"<li>{show} <span>{escape(load_scene(model).description)}; {more}</span></li>"
+    link = f'<a href="models/{model}.html">more</a>'
+    return f"<li>{show} <span>{escape(load_scene(model).description)}; {link}</span></li>"
 
 
 def lead_to_simulations(gallery: str) -> str:

@@ -21,16 +21,18 @@ from docs.tools.markdown_text import code, short_description
 
 def variable_patterns() -> str:
     """Return every kind of variable once, with letters in place of its indices."""
-    known = {short_description(entry.metadata["description"]) for _, entry in scene_keys() if entry.metadata}
+    key_meanings = {
+        short_description(entry.metadata["description"]) for _, entry in scene_keys() if entry.metadata
+    }
     sections = []
     for title, table_of in (("Parameters", PARAMETERS), ("Inputs", INPUTS), ("Outputs", OUTPUTS)):
-        alike: dict[str, list[VariableKind]] = {}
+        kinds_by_meaning: dict[str, list[VariableKind]] = {}
         for kind in (kind for of_one_owner in table_of for kind in of_one_owner.kinds):
             meaning = _meaning(kind)
-            is_key = meaning in known and bool(kind.unit)
+            is_key = meaning in key_meanings and bool(kind.unit)
             tunable = "; tunable" if kind.tunable == TRUE_FACT else ""
-            alike.setdefault((SCENE_KEY if is_key else meaning) + tunable, []).append(kind)
-        lines = (_variables(meaning, kinds) for meaning, kinds in alike.items())
+            kinds_by_meaning.setdefault((SCENE_KEY if is_key else meaning) + tunable, []).append(kind)
+        lines = (_variables(meaning, kinds) for meaning, kinds in kinds_by_meaning.items())
         sections.append(f"### {title}\n\n" + "\n".join(lines))
     return "\n\n".join(sections)
 
@@ -56,7 +58,7 @@ IN_GENERAL = {
     "statuses": "see its [codes](troubleshooting.md#statuses-of-the-solver)",
 }
 """Word in braces in descriptions → the text for it in the list."""
-ALIKE = {
+COMMON_MEANINGS = {
     "stops: least and largest angle": ("link[i].joint_min", "link[i].joint_max"),
     "position of the wall": tuple(f"box.{wall}" for wall in WALLS),
     "initial position and velocity of the base; a pinned base has no velocity": (
@@ -109,7 +111,7 @@ ALIKE = {
     "law of walls, and of stops without a law: its [number](contact_laws.md#the-laws)": ("contact.model",),
 }
 """Meaning in the list → the variables that have this meaning in common."""
-MEANINGS = {name: meaning for meaning, names in ALIKE.items() for name in names}
+MEANINGS = {name: meaning for meaning, names in COMMON_MEANINGS.items() for name in names}
 
 
 def _meaning(kind: VariableKind) -> str:

@@ -4,7 +4,7 @@
 
 import pytest
 
-from benchmarks.robots import ALIKE, compared
+from benchmarks.robots import ANGLE_TOLERANCE, compared
 from chain_impact.conversion.planar import ConversionChoices
 from tests.conversion.robot_files import TWO, arm, cart, drives, free, joint, key, link, urdf
 from tests.tiers import needs_interop
@@ -192,7 +192,7 @@ def beside(tmp_path, text, **choices):
 def test_a_robot_moves_as_in_mujoco(tmp_path, name):
     comparison = beside(tmp_path, SAME[name])
     assert comparison.difference is not None, comparison.cause
-    assert comparison.difference <= ALIKE
+    assert comparison.difference <= ANGLE_TOLERANCE
 
 
 @pytest.mark.parametrize("name", DIFFERENT)
@@ -205,5 +205,5 @@ def test_the_first_difference_of_motion_is_reported(tmp_path, name):
 def test_with_held_joints_and_another_keyframe_it_moves_alike(tmp_path):
     text = arm(rest="<keyframe><key name='k' qpos='.3 .9'/><key name='l' qpos='1 -.4'/></keyframe>")
     for joints in (["a"], ["b"]):
-        assert beside(tmp_path, text, joints=joints, keyframe="l").difference <= ALIKE
-    assert beside(tmp_path, text, keyframe="none").difference <= ALIKE
+        assert beside(tmp_path, text, joints=joints, keyframe="l").difference <= ANGLE_TOLERANCE
+    assert beside(tmp_path, text, keyframe="none").difference <= ANGLE_TOLERANCE

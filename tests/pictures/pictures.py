@@ -95,7 +95,7 @@ def crowd(count=60):
 
 
 def page_of(recording):
-    """Return the page with a recording, and its axes: motion, time, energy, impact speeds.
+    """Return the page with a recording, and its axes: motion, time, energy, impacts.
 
     There are no axes "time" if the motion is drawn over time. The page has the usual size. It is drawn once
     and cached.
@@ -134,8 +134,8 @@ def motion_of(recording):
 
 def impacts_of(recording):
     """Return the axes with all impacts over the time of the run, also of a recording with a single impact."""
-    found = [axes for axes in page_of(recording)[1:] if axes.get_label() == "impacts"]
-    return found[0] if found else recording.plot(panels="impacts").axes[0]
+    panels = [axes for axes in page_of(recording)[1:] if axes.get_label() == "impacts"]
+    return panels[0] if panels else recording.plot(panels="impacts").axes[0]
 
 
 def texts(axes):
@@ -155,14 +155,14 @@ WIDTHS = [width / 25.4 for width in (84, 120, 190)]  # inches
 def texts_with_boxes(page):
     """Return all texts of a page, and the rectangles that the texts cover."""
     page.draw_without_rendering()
-    hidden = {
+    hidden_ids = {
         id(text)
         for axes in page.axes
         for axis in (axes.xaxis, axes.yaxis)
         for tick in {*axis.get_major_ticks(), *axis.get_minor_ticks()} - {*axis._update_ticks()}
         for text in (tick.label1, tick.label2)
     }
-    texts = [text for text in page.findobj(Text) if text.get_visible() and id(text) not in hidden]
+    texts = [text for text in page.findobj(Text) if text.get_visible() and id(text) not in hidden_ids]
     return [(text.get_text(), Text.get_window_extent(text)) for text in texts if text.get_text().strip()]
 
 
@@ -171,31 +171,31 @@ def check_texts(page):
     texts = texts_with_boxes(page)
     for text, box in texts:
         assert min(box.x0, box.y0, page.bbox.x1 - box.x1, page.bbox.y1 - box.y1) > -0.5, text
-    for (one, box), (other, another) in itertools.combinations(texts, 2):
-        assert not box.padded(-0.5).overlaps(another), (one, other)
+    for (first_text, box), (second_text, other_box) in itertools.combinations(texts, 2):
+        assert not box.padded(-0.5).overlaps(other_box), (first_text, second_text)
 
 
 def check_rules(page):
     """Check the widths of legends, the numbers at all axes, and low heads on a narrow page."""
     for axes in page.axes:
-        inside = axes.get_window_extent()
+        axes_box = axes.get_window_extent()
         if legend := axes.get_legend():
             box = legend.get_window_extent()
-            if box.x0 >= inside.x1:  # beside a slim motion
-                assert box.y0 >= inside.y0 - 0.5
+            if box.x0 >= axes_box.x1:  # beside a slim motion
+                assert box.y0 >= axes_box.y0 - 0.5
             else:
-                assert box.width <= inside.width + 0.5
+                assert box.width <= axes_box.width + 0.5
         for axis in () if axes.get_label() == "time" else (axes.xaxis, axes.yaxis):
             low, high = sorted(axis.get_view_interval())
             if axis is axes.xaxis and not axis.get_tick_params()["labelbottom"]:
                 continue  # the lowest one of the panels that share this axis has the numbers
             ticks = [tick for tick in axis.get_major_ticks() if tick.label1.get_visible()]
             assert len([tick for tick in ticks if low <= tick.get_loc() <= high]) >= 3 or (
-                axes.get_label() == "friction" and axis is axes.yaxis  # which has names
+                axes.get_label() == "friction" and axis is axes.yaxis  # this axis has names
             )
     if page.get_figwidth() < 4.0:
-        every = [legend for axes in page.axes if (legend := axes.get_legend())]
-        legends = [legend for legend in every if legend.get_gid() == MARK]  # others take no height
+        all_legends = [legend for axes in page.axes if (legend := axes.get_legend())]
+        legends = [legend for legend in all_legends if legend.get_gid() == MARK]  # others take no height
         heads = [item.get_window_extent().height for item in (page._suptitle, *legends)]
         assert sum(heads) <= 0.15 * page.bbox.height
     check_ink(page)
@@ -204,11 +204,11 @@ def check_rules(page):
 @drawing_style()
 def check_ink(page):
     """Check that no text in the axes covers a line or a mark; a text with an outline may cover pale lines."""
-    inside = [text for axes in page.axes for text in axes.texts if text.get_gid() != LANE]
-    boxes = [Text.get_window_extent(text) for text in inside]  # without the lines to their marks
-    for text in inside:
+    labels = [text for axes in page.axes for text in axes.texts if text.get_gid() != LANE]
+    boxes = [Text.get_window_extent(text) for text in labels]  # without the lines to their marks
+    for text in labels:
         text.set_visible(False)
     used_pixels = UsedPixels(page)
-    for text, box in zip(inside, boxes, strict=True):
+    for text, box in zip(labels, boxes, strict=True):
         assert used_pixels.take(box.min, box.max, on_pale=bool(text.get_path_effects())), text.get_text()
         text.set_visible(True)

@@ -10,7 +10,7 @@ from PIL import Image
 
 from chain_impact.pictures.drawing.style import metadata_of
 from chain_impact.scene.files.models import model_names
-from docs.tools.images import OTHERS
+from docs.tools.images import MODELS_OF_PROGRAMS
 from tests.pictures.pictures import page_of, recorded
 
 IMAGES = Path(__file__).parents[2] / "docs" / "images"
@@ -22,15 +22,15 @@ def lines(words):
 
     Whether a label that is as long as its axis has one line or two depends on the resolution of the figure.
     """
-    told = words["Description"].split("\n")
-    kept = [line for line in told if not NUMBERS.fullmatch(line)]
-    return " ".join(kept).split()
+    all_lines = words["Description"].split("\n")
+    text_lines = [line for line in all_lines if not NUMBERS.fullmatch(line)]
+    return " ".join(text_lines).split()
 
 
 @pytest.mark.full("more cases", but="arm_at_stop")
-@pytest.mark.parametrize("model", sorted({*model_names()} - OTHERS))
+@pytest.mark.parametrize("model", sorted({*model_names()} - MODELS_OF_PROGRAMS))
 def test_the_picture_of_a_model_says_what_the_code_says(model):
-    now = metadata_of(page_of(recorded(model))[0])
+    metadata = metadata_of(page_of(recorded(model))[0])
     with Image.open(IMAGES / f"{model}.png") as picture:
-        assert picture.text["Title"] == now["Title"]
-        assert lines(picture.text) == lines(now)
+        assert picture.text["Title"] == metadata["Title"]
+        assert lines(picture.text) == lines(metadata)

@@ -92,8 +92,11 @@ def test_energies_have_the_colours_of_the_picture_of_the_motion(result):
 def test_around_an_impact_time_is_that_after_its_onset(result):
     page = result.plot(curves="contact[4].y_min.force", around=2)
     assert page.get_suptitle().endswith(" hits y_min, impact 2 of 2")
-    named = result.plot(curves="contact[4].y_min.force", around=2, title="Fall")
-    assert [named.get_suptitle(), "hits y_min, impact 2 of 2" in named.texts[1].get_text()] == ["Fall", True]
+    named_page = result.plot(curves="contact[4].y_min.force", around=2, title="Fall")
+    assert [named_page.get_suptitle(), "hits y_min, impact 2 of 2" in named_page.texts[1].get_text()] == [
+        "Fall",
+        True,
+    ]
     (axes,) = page.axes
     assert axes.get_xlabel().startswith("time after the onset at ")
     keys = [text.get_text() for text in axes.get_legend().get_texts()]
@@ -141,9 +144,9 @@ def test_the_view_around_a_lasting_contact_shows_its_pulse():
 def test_a_curve_that_lies_on_another_is_dashed(result):
     forces = ["contact[0].y_max.force", "contact[1].y_max.force"]
     (axes,) = result.plot(curves=forces).axes  # both are always zero
-    drawn = [line for line in axes.lines if len(line.get_xdata())]
-    assert [line.get_linestyle() for line in drawn] == ["-", "--"]
-    assert len({line.get_color() for line in drawn}) == 2
+    lines = [line for line in axes.lines if len(line.get_xdata())]
+    assert [line.get_linestyle() for line in lines] == ["-", "--"]
+    assert len({line.get_color() for line in lines}) == 2
 
 
 def test_a_title_of_ones_own_or_none(result):
@@ -175,18 +178,20 @@ def test_outputs_that_cannot_be_drawn_are_refused(result):
 def test_zero_outputs_are_told_at_the_foot_and_large_forces_have_a_prefix(result):
     page = result.plot(curves="contact[*].*.force")
     (axes,) = page.axes
-    named = [text.get_text() for text in axes.get_legend().get_texts()]
+    labels = [text.get_text() for text in axes.get_legend().get_texts()]
     hit = [f"contact[{impact['point']}].{impact['wall_name']}" for impact in result.impacts]
-    assert named == [*sorted(set(hit)), "impact"]
-    (told,) = [text.get_text() for text in page.texts if text.get_text().startswith("0 in the whole view")]
-    assert "contact[0].x_min.force" in told
+    assert labels == [*sorted(set(hit)), "impact"]
+    (foot_text,) = [
+        text.get_text() for text in page.texts if text.get_text().startswith("0 in the whole view")
+    ]
+    assert "contact[0].x_min.force" in foot_text
     assert narrow_peak(result, result.curves(["contact[*].*.force"])) == 1  # a command then gives a hint
     assert axes.get_ylabel() == "force [kN]"
     assert max(line.get_ydata().max() for line in axes.lines) == pytest.approx(
         1e-3 * result.impacts["peak_force"].max(), rel=1e-2
     )
-    alone = result.plot(curves="contact[0].x_min.force").axes[0]
-    assert len(alone.lines) == 1
+    zero_axes = result.plot(curves="contact[0].x_min.force").axes[0]
+    assert len(zero_axes.lines) == 1
 
 
 @pytest.mark.full("takes long")
@@ -235,33 +240,35 @@ def test_the_largest_value_of_each_force_stands_at_its_curve(arm):
     for width in WIDTHS:
         page = arm.plot(curves=names, around=1, size=(width, None))
         forces, places = page.axes
-        told = {text.get_color(): text for text in forces.texts}
+        labels = {text.get_color(): text for text in forces.texts}
         assert not places.texts
         # where the amount of a force has a curve, its components have no number
         amounts = [line for line in forces.lines if line.get_label().startswith("|")]
-        assert len(told) == len(forces.texts) >= (3 if amounts else 4)
+        assert len(labels) == len(forces.texts) >= (3 if amounts else 4)
         for line in forces.lines[1:]:
-            if line.get_color() in told and (not amounts or line in amounts):
-                text = told[line.get_color()].get_text()
+            if line.get_color() in labels and (not amounts or line in amounts):
+                text = labels[line.get_color()].get_text()
                 value, prefix = (
                     text.replace("−", "-").removesuffix("N").split("\u00a0" if "\u00a0" in text else " ")
                 )
                 parts = [part for part in forces.lines if part.get_color() == line.get_color()]
                 values = np.concatenate([part.get_ydata() for part in parts])
-                most = 1e3 * values[np.nanargmax(np.abs(values))]
-                assert float(value) * (1e3 if prefix else 1.0) == pytest.approx(most, rel=5e-3)
-        largest = max(forces.lines[1:], key=lambda line: np.abs(line.get_ydata()).max())
-        assert largest.get_color() in told
+                peak = 1e3 * values[np.nanargmax(np.abs(values))]
+                assert float(value) * (1e3 if prefix else 1.0) == pytest.approx(peak, rel=5e-3)
+        highest_curve = max(forces.lines[1:], key=lambda line: np.abs(line.get_ydata()).max())
+        assert highest_curve.get_color() in labels
         check_texts(page)
 
 
 def test_a_picture_of_an_impact_tells_its_own_and_the_largest_forces(arm, result):
-    told = " ".join(text.get_text() for text in arm.plot(curves="joint[*].force.*", around=1).texts)
+    page_text = " ".join(text.get_text() for text in arm.plot(curves="joint[*].force.*", around=1).texts)
     sizes = [arm[f"joint[{number}].peak_force"].max() for number in (1, 2)]
-    assert f"largest |force|: joint[1] {sizes[0]:.0f} N and joint[2] {sizes[1]:.0f} N at " in told
+    assert f"largest |force|: joint[1] {sizes[0]:.0f} N and joint[2] {sizes[1]:.0f} N at " in page_text
     page = result.plot(curves=FORCES, around=2)
-    told = " ".join(text.get_text() for text in page.texts)
-    assert f"{1e-3 * result.impacts['peak_force'][1]:.3g} kN in impact 2: " in told.replace("\u00a0", " ")
+    page_text = " ".join(text.get_text() for text in page.texts)
+    assert f"{1e-3 * result.impacts['peak_force'][1]:.3g} kN in impact 2: " in page_text.replace(
+        "\u00a0", " "
+    )
 
 
 def test_amounts_of_forces_are_drawn_beside_their_components(arm):
@@ -270,18 +277,18 @@ def test_amounts_of_forces_are_drawn_beside_their_components(arm):
     lines = {line.get_label(): line for line in upper.lines}
     sizes = np.hypot(*(lines[f"joint[1].force.{axis}"].get_ydata() for axis in "xy"))
     np.testing.assert_allclose(lines["|joint[1].force|"].get_ydata(), sizes)
-    shown = [
+    has_numbers = [
         any(tick.label1.get_visible() for tick in axes.xaxis.get_major_ticks()) for axes in (upper, lower)
     ]
-    assert shown == [False, True]  # the numbers of the shared time stand once
+    assert has_numbers == [False, True]  # the numbers of the shared time stand once
 
 
 def test_the_largest_force_is_the_largest_finite_one():
     time = np.arange(4.0)
-    drawn = [np.array([np.nan, 3.0, -5.0, np.inf]), np.full(4, np.nan), np.zeros(4), np.full(4, -np.inf)]
-    (label,) = extremes(time, [(values, {"color": "k"}) for values in drawn], "N", 1e-3)
+    curves = [np.array([np.nan, 3.0, -5.0, np.inf]), np.full(4, np.nan), np.zeros(4), np.full(4, -np.inf)]
+    (label,) = extremes(time, [(values, {"color": "k"}) for values in curves], "N", 1e-3)
     assert (label.text, label.position) == ("−5.00 N", (2.0, -5e-3))
-    assert extremes(time[:0], [(values[:0], {"color": "k"}) for values in drawn], "N", 1.0) == []
+    assert extremes(time[:0], [(values[:0], {"color": "k"}) for values in curves], "N", 1.0) == []
 
 
 def test_the_lower_one_of_two_close_curves_has_its_number_below_it():
@@ -295,7 +302,7 @@ def test_the_lower_one_of_two_close_curves_has_its_number_below_it():
 
 @pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize(
-    ("names", "told"),
+    ("names", "title"),
     [
         ("point[*].y", "FourLinkBox: 2 impacts in 0.6 s, 18.5 J dissipated"),
         ("contact[4].*.force", "FourLinkBox: contact[4].y_min.force up to 7.48 kN, 2 impacts"),
@@ -303,25 +310,25 @@ def test_the_lower_one_of_two_close_curves_has_its_number_below_it():
         (FORCES, "FourLinkBox: peak force 19.1 kN, 2 impacts in 0.6 s, "),
     ],
 )
-def test_the_headline_tells_no_force_without_a_curve(result, names, told):
+def test_the_headline_tells_no_force_without_a_curve(result, names, title):
     page = result.plot(curves=names)
-    assert page.get_suptitle().replace("\n", " ").replace("\u00a0", " ").startswith(told)
+    assert page.get_suptitle().replace("\n", " ").replace("\u00a0", " ").startswith(title)
     assert not any("bears up to" in text.get_text() for text in page.texts)
 
 
 @pytest.mark.parametrize(
-    ("x", "told"),
+    ("x", "expected"),
     [
         ([np.nan, 3.0, np.inf], "largest |force|: joint[1] 5.00 N at 1 s"),
         ([np.nan, np.nan, np.inf], ""),
         ([], ""),
     ],
 )
-def test_the_largest_amount_of_a_force_is_finite(x, told):
+def test_the_largest_amount_of_a_force_is_finite(x, expected):
     names = ["joint[1].force.x", "joint[1].force.y"]
     values = dict(zip(names, (np.array(x), np.full(len(x), 4.0)), strict=True))
     curves = Curves(np.arange(float(len(x))), values, dict.fromkeys(names, "N"))
-    assert largest_vectors(curves) == told
+    assert largest_vectors(curves) == expected
 
 
 def test_a_force_that_rigid_impacts_lack_has_no_panel_beside_others():
@@ -343,9 +350,9 @@ def test_lines_at_impacts_that_would_make_a_grey_bar_are_short():
     axes = recording.plot(curves="energy.total", size=(84 / 25.4, None)).axes[0]
     (lines,) = (item for item in axes.collections if len(item.get_paths()) == len(recording.impacts))
     feet = np.array([path.vertices[:, 1].min() for path in lines.get_paths()])
-    whole = recording.impacts["onset"][feet == 0.0]
-    places = axes.transData.transform(np.stack([whole, np.zeros(len(whole))], axis=-1))[:, 0]
-    assert 3 < len(whole) < len(feet)
+    whole_onsets = recording.impacts["onset"][feet == 0.0]
+    places = axes.transData.transform(np.stack([whole_onsets, np.zeros(len(whole_onsets))], axis=-1))[:, 0]
+    assert 3 < len(whole_onsets) < len(feet)
     assert np.diff(places).min() * 72.0 / axes.figure.dpi > 2.0  # points
 
 

@@ -22,14 +22,14 @@ def test_the_loop_encloses_the_lost_energy_and_has_the_peak_of_the_list():
     assert np.trapezoid(course.force, course.penetration) == pytest.approx(course.energy_lost, rel=1e-3)
     assert course.force.max() == pytest.approx(impact["peak_force"], rel=1e-4)
     assert course.penetration.max() == pytest.approx(impact["max_penetration"], rel=1e-4)
-    moved = np.diff(course.penetration) / np.diff(course.time)
-    np.testing.assert_allclose(0.5 * (course.speed[1:] + course.speed[:-1]), moved, atol=0.02)
+    speeds = np.diff(course.penetration) / np.diff(course.time)
+    np.testing.assert_allclose(0.5 * (course.speed[1:] + course.speed[:-1]), speeds, atol=0.02)
 
 
 @pytest.mark.full("more cases", but=["bouncing_table", "stick_slip_belt"])
 @pytest.mark.parametrize("model", ["bouncing_table", "stick_slip_belt", "four_link_box", "carried_arm"])
 def test_the_run_is_the_same_once_more(model):
-    """Also test motions and inputs, other rows, and an unpickled result."""
+    """The models have moving walls and inputs; the result is unpickled, and other rows are asked for."""
     result = pickle.loads(pickle.dumps(recorded(model)))
     rows = np.arange(1, len(result.time), 7)
     np.testing.assert_array_equal(result.rerun(result.time[rows]), result.outputs[rows])

@@ -70,25 +70,25 @@ def test_a_picture_that_fails_leaves_the_old_one_alone(tmp_path, monkeypatch):
 
 
 def test_settings_of_matplotlib_are_left_alone(tmp_path):
-    before = dict(mpl.rcParams)
+    settings = dict(mpl.rcParams)
     write(swing(), tmp_path / "swing.png")
-    assert dict(mpl.rcParams) == before
+    assert dict(mpl.rcParams) == settings
 
 
 @pytest.mark.full("takes long")
 @pytest.mark.parametrize("name", PICTURES)
 def test_labels_never_overlap(name):
     page, *panels = page_of(picture(name))
-    named = {axes.get_label(): axes for axes in panels}
-    motion, speeds = named["motion"], named.get("impacts", named.get("impact"))
+    panels_by_name = {axes.get_label(): axes for axes in panels}
+    motion, speeds = panels_by_name["motion"], panels_by_name.get("impacts", panels_by_name.get("impact"))
     for axes in panels:
-        inside = axes.get_window_extent()
-        for one, other in itertools.combinations(boxes(axes), 2):
-            assert not one.overlaps(other)
+        axes_box = axes.get_window_extent()
+        for first, second in itertools.combinations(boxes(axes), 2):
+            assert not first.overlaps(second)
         for box in boxes(axes):
-            is_beyond = axes is motion and box.x0 >= inside.x1
-            assert inside.x0 <= box.x0 <= box.x1 <= (page.bbox.x1 if is_beyond else inside.x1)
-            assert inside.y0 <= box.y0 <= box.y1 <= inside.y1
+            is_beyond = axes is motion and box.x0 >= axes_box.x1
+            assert axes_box.x0 <= box.x0 <= box.x1 <= (page.bbox.x1 if is_beyond else axes_box.x1)
+            assert axes_box.y0 <= box.y0 <= box.y1 <= axes_box.y1
     # numbers of impacts may stand right of the motion
     outside = [box for box in boxes(motion) if box.x0 >= motion.get_window_extent().x1]
     outside += [axes.get_legend().get_window_extent() for axes in panels if axes.get_legend()]
@@ -99,8 +99,8 @@ def test_labels_never_overlap(name):
         assert not any(box.padded(-0.5).overlaps(axes.get_window_extent()) for axes in panels)
         assert page.bbox.x0 <= box.x0 <= box.x1 <= page.bbox.x1
         assert page.bbox.y0 <= box.y0 <= box.y1 <= page.bbox.y1
-    for one, other in itertools.combinations([box for box in outside if box.width], 2):
-        assert not one.overlaps(other)
+    for first, second in itertools.combinations([box for box in outside if box.width], 2):
+        assert not first.overlaps(second)
     assert boxes(motion) or is_over_time(picture(name), "motion")
     # the only impact of the belt is at the edge
     assert len(boxes(speeds)) > 0 or name == "stick_slip_belt"
@@ -192,9 +192,9 @@ def test_panels_are_drawn_into_axes_that_are_there():
     assert result.plot(panels=["impacts", "energy"], ax=axes) is axes
     assert [panel.get_ylabel() for panel in axes] == ["energy [J]", "peak force [N]"]
     assert [panel.get_xlabel().partition(";")[0] for panel in axes] == ["time [s]"] * 2
-    one = page.add_subplot()
-    assert result.plot(ax=one) is one
-    assert one.get_xlabel() == "x [m]"
+    single_axes = page.add_subplot()
+    assert result.plot(ax=single_axes) is single_axes
+    assert single_axes.get_xlabel() == "x [m]"
 
 
 def test_a_kind_is_the_only_panel_and_axes_are_called_as_panels():

@@ -52,7 +52,7 @@ def test_a_broad_motion_has_the_whole_width():
 @pytest.mark.full("takes long")
 @pytest.mark.parametrize("model", ["hopper", "rod_drop"])
 def test_the_legend_of_a_slim_motion_is_beside_it(model):
-    """So the motion is as high as all panels over time, and not cut by a legend of one column."""
+    """The motion is as high as all panels over time, and the legend takes nothing from this height."""
     page = page_of_width(model, 190)
     panels = {axes.get_label(): axes for axes in page.axes}
     motion, legend = panels["motion"], panels["motion"].get_legend().get_window_extent()
@@ -69,9 +69,16 @@ def test_a_caption_has_room_below_a_picture_on_a_page(model):
 # a page of 120 mm has the panels of one of 84 mm with more room; one of 190 mm is nearly the usual page
 BUSY = ["sliding_rod", "four_link_box", "thrown_brick", "hopper"]
 # motions that are slim, broad, low and over time, without impacts, with many rows, and at moving walls
-OTHERS = ["sphere_on_wall", "clattering_rod", "bouncing_table", "golf_ball", "shaken_pendulum", "kneed_leg"]
-OTHERS += ["cart_pole", "steel_bar", "stick_slip_belt", "ur5e"]
-SIZES = [*itertools.product(BUSY, WIDTHS[::2]), *((model, WIDTHS[0]) for model in OTHERS)]
+OTHER_MODELS = [
+    "sphere_on_wall",
+    "clattering_rod",
+    "bouncing_table",
+    "golf_ball",
+    "shaken_pendulum",
+    "kneed_leg",
+]
+OTHER_MODELS += ["cart_pole", "steel_bar", "stick_slip_belt", "ur5e"]
+SIZES = [*itertools.product(BUSY, WIDTHS[::2]), *((model, WIDTHS[0]) for model in OTHER_MODELS)]
 
 
 @pytest.mark.full("more cases", but=1)
@@ -81,10 +88,10 @@ def test_texts_fit_a_page_of_any_width(model, width):
     height = {"thrown_brick": 6.75, "bouncing_table": 6.75, "sphere_on_wall": 7.25}.get(model, 6.5)  # needed
     page = recorded(model).plot(size=(width, height))
     assert tuple(page.get_size_inches()) == (width, height)
-    motion, *others = (axes.get_position(original=True) for axes in page.axes)
+    motion, *places = (axes.get_position(original=True) for axes in page.axes)
     is_timed = is_over_time(recorded(model), "motion")
-    beside = not is_timed and is_beside(broadness(recorded(model)), width)
-    assert all((other.x0 >= motion.x1) == beside for other in others)
+    is_beside_motion = not is_timed and is_beside(broadness(recorded(model)), width)
+    assert all((place.x0 >= motion.x1) == is_beside_motion for place in places)
     check_texts(page)
     check_rules(page)
 
@@ -94,10 +101,10 @@ def test_texts_fit_a_page_of_any_width(model, width):
 def test_a_slim_motion_leaves_no_empty_half_on_a_page_of_120_mm(model):
     page = page_of_width(model, 120)
     check_texts(page)
-    motion, *others = (axes.get_position() for axes in page.axes)
-    assert motion.x1 < min(other.x0 for other in others)
-    assert max(other.x1 for other in others) > 0.95
-    assert max(other.y1 for other in others) - min(other.y0 for other in others) > 0.7 * motion.height
+    motion, *places = (axes.get_position() for axes in page.axes)
+    assert motion.x1 < min(place.x0 for place in places)
+    assert max(place.x1 for place in places) > 0.95
+    assert max(place.y1 for place in places) - min(place.y0 for place in places) > 0.7 * motion.height
 
 
 @pytest.mark.full("takes long")
@@ -114,8 +121,8 @@ def test_a_page_that_is_too_low_is_refused_with_a_height_that_suffices():
     result, panels = recorded("sliding_rod"), ["energy", "friction"]
     with pytest.raises(ValueError, match=r"^size = \(6, 2\) must be at least [\d.]+ high") as refused:
         result.plot(size=(6.0, 2.0), panels=panels)
-    least = float(re.search(r"at least ([\d.]+)", str(refused.value))[1])
-    check_texts(result.plot(size=(6.0, least), panels=panels))
+    height = float(re.search(r"at least ([\d.]+)", str(refused.value))[1])
+    check_texts(result.plot(size=(6.0, height), panels=panels))
 
 
 @pytest.mark.full("takes long")
@@ -181,13 +188,13 @@ def test_a_picture_for_a_column_is_low_and_has_one_axis_of_time(model):
 
 @pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize(
-    ("model", "least"), [("four_link_box", 0.28), ("rocking_block", 0.25), ("stick_slip_belt", 0.22)]
+    ("model", "share"), [("four_link_box", 0.28), ("rocking_block", 0.25), ("stick_slip_belt", 0.22)]
 )
-def test_a_picture_for_a_column_gives_its_height_to_the_motion(model, least):
+def test_a_picture_for_a_column_gives_its_height_to_the_motion(model, share):
     page = page_of_width(model, 84)
     page.draw_without_rendering()
     (motion,) = (axes for axes in page.axes if axes.get_label() == "motion")
-    assert motion.get_window_extent().height > least * page.bbox.height
+    assert motion.get_window_extent().height > share * page.bbox.height
     heads = [
         legend.get_window_extent().height
         for axes in page.axes
@@ -204,7 +211,7 @@ def test_numbers_below_a_motion_that_is_narrower_than_its_panel_keep_apart(model
     low, high = page.axes[0].get_xlim()
     ticks = [tick for tick in page.axes[0].get_xticklabels() if low <= tick.get_position()[0] <= high]
     numbers = [tick.get_window_extent() for tick in ticks]
-    assert all(one.x1 + 0.3 * one.height < other.x0 for one, other in itertools.pairwise(numbers))
+    assert all(first.x1 + 0.3 * first.height < second.x0 for first, second in itertools.pairwise(numbers))
 
 
 @pytest.mark.full("takes long")

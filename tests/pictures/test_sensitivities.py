@@ -29,7 +29,7 @@ from chain_impact.pictures.sensitivity_table import ADDED_HEADING, MOST_TABLE_RO
 from chain_impact.scene.texts.plain_names import plain_name
 from tests.helpers.scenes.problems import flat_rod
 
-FEW = ("contact.restitution", "initial.angle[2]")
+TWO_NAMES = ("contact.restitution", "initial.angle[2]")
 
 
 def run_with_sensitivities(scene, names, **options):
@@ -38,7 +38,7 @@ def run_with_sensitivities(scene, names, **options):
 
 @pytest.fixture(scope="module")
 def swing():
-    return run_with_sensitivities("pinned_arm", FEW)
+    return run_with_sensitivities("pinned_arm", TWO_NAMES)
 
 
 @pytest.fixture(scope="module")
@@ -57,16 +57,16 @@ def texts_of(page):
 
 
 def test_curves_are_the_changes(swing, page):
-    found = swing.sensitivities
+    sensitivities = swing.sensitivities
     *outputs, table = page.axes
     for axes, name in zip(outputs, ("point[2].x", "point[2].y", "energy.total"), strict=True):
         curves = [line for line in axes.lines if len(line.get_xdata()) == len(swing.time)]
-        gaps = short_contacts(swing)[:, None] | is_shifted(swing, found)
-        for line, shown in zip(curves, np.where(gaps, np.nan, found.changes(name)).T, strict=True):
+        gaps = short_contacts(swing)[:, None] | is_shifted(swing, sensitivities)
+        for line, expected in zip(curves, np.where(gaps, np.nan, sensitivities.changes(name)).T, strict=True):
             scale = 1e3 if axes.get_title().endswith(("[mm]", "[mJ]")) else 1.0
-            np.testing.assert_allclose(line.get_ydata(), scale * shown)
+            np.testing.assert_allclose(line.get_ydata(), scale * expected)
     (image,) = table.images
-    np.testing.assert_allclose(image.get_array(), 100.0 * found.relative("peak_force").T)
+    np.testing.assert_allclose(image.get_array(), 100.0 * sensitivities.relative("peak_force").T)
 
 
 def test_axes_have_units_and_impacts_are_marked(swing, page):
@@ -105,7 +105,7 @@ def test_the_legend_says_what_is_changed_and_by_how_much(page):
     (legend,) = page.legends
     assert [text.get_text() for text in legend.get_texts()] == [
         "+ 1 %:",
-        *FEW,
+        *TWO_NAMES,
         "change in a run",
         "impact",
     ]
@@ -116,46 +116,54 @@ def test_the_most_important_of_many_parameters_have_colours():
         "rod_drop", ("link[1].*", "initial.*", "contact.*", "box.*"), stop_time=0.6
     )
     names, page = ("point[1].x", "point[1].y", "energy.total"), sensitivity_page(recording)
-    whole = recording.sensitivities.without_exponents()
-    relative = np.max([shares(recording, whole, name) for name in names], axis=0)
-    found = with_small_steps(recording, whole, names, known_changes(recording, whole, relative))
-    of_value = [name for name, value in found.parameters.items() if value]
+    all_sensitivities = recording.sensitivities.without_exponents()
+    shares_of_range = np.max([shares(recording, all_sensitivities, name) for name in names], axis=0)
+    sensitivities = with_small_steps(
+        recording, all_sensitivities, names, known_changes(recording, all_sensitivities, shares_of_range)
+    )
+    of_value = [name for name, value in sensitivities.parameters.items() if value]
     curves = [line for line in page.axes[1].lines if len(line.get_xdata()) == len(recording.time)]
     colours = [line.get_color() for line in curves]
     assert colours == [*PALETTE[:LARGEST_EFFECTS]]
     ranges = {name: span_of(recording, name) for name in names}
     parts = [
-        np.abs(found.changes(name)[is_outside_impacts(recording)]) / span for name, span in ranges.items()
+        np.abs(sensitivities.changes(name)[is_outside_impacts(recording)]) / span
+        for name, span in ranges.items()
     ]
     matter = np.max(parts, axis=(0, 1))
-    share = dict(zip(found.parameters, matter.tolist(), strict=True))
-    largest = sorted((share[name] for name in of_value), reverse=True)
-    told = [line.get_label() for line in curves]
-    assert sorted((share[name] for name in told), reverse=True) == pytest.approx(largest[:LARGEST_EFFECTS])
-    (band,) = [
-        collection for collection in page.axes[1].collections if collection.get_label()[:1].isdigit()
-    ]  # the band of the other parameters
-    others = [k for k, name in enumerate(found.parameters) if name in of_value and name not in told]
-    grey = np.where(is_shifted(recording, found), np.nan, found.changes("point[1].y"))[:, others]
+    share = dict(zip(sensitivities.parameters, matter.tolist(), strict=True))
+    largest_shares = sorted((share[name] for name in of_value), reverse=True)
+    labels = [line.get_label() for line in curves]
+    assert sorted((share[name] for name in labels), reverse=True) == pytest.approx(
+        largest_shares[:LARGEST_EFFECTS]
+    )
+    # the band of the other parameters
+    (band,) = [collection for collection in page.axes[1].collections if collection.get_label()[:1].isdigit()]
+    other_columns = [
+        k for k, name in enumerate(sensitivities.parameters) if name in of_value and name not in labels
+    ]
+    grey = np.where(is_shifted(recording, sensitivities), np.nan, sensitivities.changes("point[1].y"))[
+        :, other_columns
+    ]
     ends = band.get_datalim(page.axes[1].transData).intervaly
     np.testing.assert_allclose(1e-3 * ends, (np.nanmin(grey), np.nanmax(grey)))  # mm
     (legend,) = page.legends
     texts = [text.get_text() for text in legend.get_texts()]
-    largest_other = max((name for name in of_value if name not in told), key=lambda name: share[name])
+    largest_other = max((name for name in of_value if name not in labels), key=lambda name: share[name])
     assert f"{len(of_value) - LARGEST_EFFECTS} other parameters, most by {largest_other}" in texts
     table = page.axes[3]
     assert len(table.get_yticklabels()) == MOST_TABLE_ROWS
-    left_out = len(found.parameters) - MOST_TABLE_ROWS
+    left_out = len(sensitivities.parameters) - MOST_TABLE_ROWS
     assert table.get_title(loc="left").endswith(f"; {left_out} parameters without a row")
 
 
 @pytest.mark.parametrize(
-    ("names", "told"), [("abcdef", "e, f"), ("abcdefg", "3 other parameters, most by e")]
+    ("names", "expected"), [("abcdef", "e, f"), ("abcdefg", "3 other parameters, most by e")]
 )
-def test_the_legend_counts_the_other_parameters(names, told):
-    found = SimpleNamespace(parameters=dict.fromkeys(names, 1.0), step_text=lambda _: "1 %")
-    looks = looks_of(found, np.arange(len(names), 0.0, -1.0)[None], {}, is_brief=False)
-    assert looks[-1]["label"] == told
+def test_the_legend_counts_the_other_parameters(names, expected):
+    sensitivities = SimpleNamespace(parameters=dict.fromkeys(names, 1.0), step_text=lambda _: "1 %")
+    looks = looks_of(sensitivities, np.arange(len(names), 0.0, -1.0)[None], {}, is_brief=False)
+    assert looks[-1]["label"] == expected
 
 
 @pytest.mark.full("takes long")
@@ -194,55 +202,56 @@ def chaotic():
 
 
 def test_a_curve_ends_where_the_change_exceeds_the_range_of_an_output(chaotic):
-    found, page = chaotic.sensitivities, sensitivity_page(chaotic)
-    assert np.abs(found.changes("energy.total")[is_outside_impacts(chaotic)]).max() > span_of(
+    sensitivities, page = chaotic.sensitivities, sensitivity_page(chaotic)
+    assert np.abs(sensitivities.changes("energy.total")[is_outside_impacts(chaotic)]).max() > span_of(
         chaotic, "energy.total"
     )
     for axes, name in zip(page.axes, ("point[4].x", "point[4].y", "energy.total"), strict=False):
         values = [line.get_ydata() for line in axes.lines if len(line.get_xdata()) == len(chaotic.time)]
         scale = 1e-3 if "[m" in axes.get_title() else 1.0  # mm, mJ
-        shown = scale * np.abs(np.where(is_outside_impacts(chaotic), values, np.nan))
-        assert np.nanmax(shown) <= span_of(chaotic, name)
-        assert np.isnan(shown[0, -1])  # the restitution
+        changes = scale * np.abs(np.where(is_outside_impacts(chaotic), values, np.nan))
+        assert np.nanmax(changes) <= span_of(chaotic, name)
+        assert np.isnan(changes[0, -1])  # the restitution
         # the large shift of a late impact leaves no gap before earlier impacts
-        assert np.isfinite(shown[0, chaotic.time < 0.9]).mean() > 0.9
-        assert np.isfinite(shown[1, -1])
+        assert np.isfinite(changes[0, chaotic.time < 0.9]).mean() > 0.9
+        assert np.isfinite(changes[1, -1])
     (image,) = page.axes[3].images
     assert (np.ma.getmaskarray(image.get_array()).sum(axis=1) > 0).tolist() == [True, False]
-    assert {axes.get_yscale() for axes in page.axes[:3]} == {"linear"}  # changes of sign are no strokes
+    # on a linear scale, changes of sign are no vertical strokes
+    assert {axes.get_yscale() for axes in page.axes[:3]} == {"linear"}
     assert any("ends: a change reverses two impacts" in text for text in texts_of(page))
 
 
 def test_curves_go_on_to_the_time_that_the_headline_names(chaotic):
     """1 % more restitution reverses impacts 6 and 7 to first order, and impacts 5 and 6 in a run."""
-    page, found, onsets = sensitivity_page(chaotic), chaotic.sensitivities, chaotic.impacts["onset"]
-    kept = keeps_order(chaotic, found)
-    assert chaotic.time[kept[:, 0]].max() == pytest.approx(onsets[5], abs=0.01)
-    assert kept[:, 1].all()
-    (told,) = re.findall(r"not predictable after ([\d.]+) s", texts_of(page)[2])
+    page, sensitivities, onsets = sensitivity_page(chaotic), chaotic.sensitivities, chaotic.impacts["onset"]
+    is_in_order = keeps_order(chaotic, sensitivities)
+    assert chaotic.time[is_in_order[:, 0]].max() == pytest.approx(onsets[5], abs=0.01)
+    assert is_in_order[:, 1].all()
+    (time_text,) = re.findall(r"not predictable after ([\d.]+) s", texts_of(page)[2])
     for axes in page.axes[:3]:
         restitution = next(line for line in axes.lines if line.get_label().startswith("contact.restitution"))
-        seen = np.flatnonzero(np.isfinite(restitution.get_ydata()))
-        assert chaotic.time[seen[-1]] == pytest.approx(float(told), abs=0.005)
+        visible_rows = np.flatnonzero(np.isfinite(restitution.get_ydata()))
+        assert chaotic.time[visible_rows[-1]] == pytest.approx(float(time_text), abs=0.005)
         (mark,) = (line for line in axes.lines if line.get_marker() == "|")
-        assert mark.get_xydata().tolist() == [restitution.get_xydata()[seen[-1]].tolist()]
+        assert mark.get_xydata().tolist() == [restitution.get_xydata()[visible_rows[-1]].tolist()]
     (image,) = page.axes[3].images
-    shown = ~np.ma.getmaskarray(image.get_array())[0]
-    assert shown.tolist() == (onsets < float(told)).tolist()
+    is_shown = ~np.ma.getmaskarray(image.get_array())[0]
+    assert is_shown.tolist() == (onsets < float(time_text)).tolist()
     assert "end of first order" in [text.get_text() for text in page.legends[0].get_texts()]
 
 
 def test_the_headline_names_the_parameter_that_matters_most(chaotic, swing, page):
     assert "restitution + 1 % moves" in texts_of(sensitivity_page(chaotic))[0]
-    found = re.search(r": (.+) \+ 1 % moves point (\d) by (\S+) mm in ([xy])", texts_of(page)[0])
-    parameter, point, value, axis = found.groups()
-    chosen = [plain_name(name) for name in FEW].index(parameter)
-    changes = swing.sensitivities.changes(f"point[{point}].{axis}")[is_outside_impacts(swing), chosen]
+    match = re.search(r": (.+) \+ 1 % moves point (\d) by (\S+) mm in ([xy])", texts_of(page)[0])
+    parameter, point, value, axis = match.groups()
+    column = [plain_name(name) for name in TWO_NAMES].index(parameter)
+    changes = swing.sensitivities.changes(f"point[{point}].{axis}")[is_outside_impacts(swing), column]
     assert 1e-3 * float(value) == pytest.approx(np.abs(changes).max(), rel=0.05)
 
 
 def test_a_result_draws_itself(tmp_path):
-    result = simulate("rod_drop", stop_time=0.5, sensitivities=FEW[:1])
+    result = simulate("rod_drop", stop_time=0.5, sensitivities=TWO_NAMES[:1])
     assert len(result.plot_sensitivities().axes) == 4
     assert len(result.plot_sensitivities(outputs=["point[1].y"]).axes) == 2
     assert result.plot_sensitivities(tmp_path / "rod.png") is None
@@ -258,23 +267,23 @@ def test_a_coordinate_at_rest_and_a_shift_do_not_decide_the_headline():
     falling = simulate("rod_drop", stop_time=0.3, sensitivities=["gravity.y", "link[1].length"])
     for name in ("point[1].x", "point[1].y"):
         assert is_first_order_true(shares(falling, falling.sensitivities, name)).all()
-    only = simulate("rod_drop", stop_time=0.3, sensitivities=["gravity.y"])
-    figure = only.plot_sensitivities()
+    shorter_list = simulate("rod_drop", stop_time=0.3, sensitivities=["gravity.y"])
+    figure = shorter_list.plot_sensitivities()
     assert "moves point 1 by 4.4 mm in y" in figure.get_suptitle()
     assert "at 0.3 s" in texts_of(figure)
 
 
 def test_an_exponent_is_left_out_unless_it_is_named_in_full():
-    whole = simulate("pinned_arm", stop_time=0.6, sensitivities=["contact.*"])
-    assert "contact.exponent" in whole.sensitivities.parameters
-    pages = {"contact.*": sensitivity_page(whole)}
+    result = simulate("pinned_arm", stop_time=0.6, sensitivities=["contact.*"])
+    assert "contact.exponent" in result.sensitivities.parameters
+    pages = {"contact.*": sensitivity_page(result)}
     for names in ("contact.exponent", ["contact.exponent", "contact.stiffness"]):
         pages[str(names)] = sensitivity_page(simulate("pinned_arm", stop_time=0.6, sensitivities=names))
     for names, page in pages.items():
         labels = [text.get_text() for text in page.legends[0].get_texts()]
         assert ("contact.exponent" in labels) == (names != "contact.*")
-        told = " ".join(texts_of(page)).replace("\n", " ")
-        assert ("contact.exponent is left out: it changes the unit" in told) == (names == "contact.*")
+        page_text = " ".join(texts_of(page)).replace("\n", " ")
+        assert ("contact.exponent is left out: it changes the unit" in page_text) == (names == "contact.*")
 
 
 def test_a_mark_of_a_run_is_not_cut_off(page, swing):
@@ -298,16 +307,16 @@ def test_the_headline_says_where_derivatives_end():
     start = simulate("sliding_rod", 0.1, output_step=0.05, sensitivities=["gravity.y"])
     assert start.plot_sensitivities().get_suptitle().endswith("no derivatives from 0 s on")
     slides = simulate("sliding_rod", 0.1, sensitivities=["gravity.y"])
-    known = slides.time[np.isfinite(slides.sensitivities.slopes).any(axis=(1, 2))][-1]
-    assert f"known until {known:.3g} s" in texts_of(slides.plot_sensitivities())[2]
+    last_time = slides.time[np.isfinite(slides.sensitivities.slopes).any(axis=(1, 2))][-1]
+    assert f"known until {last_time:.3g} s" in texts_of(slides.plot_sensitivities())[2]
 
 
 def test_the_headline_has_a_change_that_a_run_confirms():
     """Restitution shifts the last impact by 29 ms; then first order is a third too large."""
     names = ["contact.restitution", "contact.stiffness"]
     recording = simulate("four_link_box", 1.1, sensitivities=names)
-    more = load_scene("four_link_box").with_values({names[0]: 1.01 * recording.parameters[names[0]]})
-    other = simulate(more, 1.1)
+    scene = load_scene("four_link_box").with_values({names[0]: 1.01 * recording.parameters[names[0]]})
+    other_run = simulate(scene, 1.1)
     figure = recording.plot_sensitivities()
     headline = f"{figure.get_suptitle()}; {texts_of(figure)[2]}".replace("\n", " ")
     confirmed = r"moves point 4 by ([\d.]+) mm in (.); at ([\d.]+) s; "
@@ -320,7 +329,7 @@ def test_the_headline_has_a_change_that_a_run_confirms():
         """Return the changes [mm] to first order and in a run of point 4, and the row."""
         output, row = f"point[4].{axis}", recording.row_at(float(time))
         first_order = recording.sensitivities.changes(output)[row, 0]
-        return 1e3 * np.array([first_order, other[output][row] - recording[output][row]]), row
+        return 1e3 * np.array([first_order, other_run[output][row] - recording[output][row]]), row
 
     (first_order, in_run), row = changes(axis, time)
     assert [float(size)] * 2 == pytest.approx(np.abs([first_order, in_run]), rel=0.05)
@@ -341,12 +350,12 @@ def test_a_headline_without_a_confirmed_change_has_both_sizes(swing, monkeypatch
 
 
 def test_a_headline_that_no_run_can_check_tells_the_change_to_first_order(swing):
-    alone = replace(swing, rerun=None)
-    assert re.search(r"moves point 2 by about", alone.plot_sensitivities().get_suptitle())
-    assert alone.row_of_other_run({"contact.stiffness": 2e7}, 0.1) is None
+    without_rerun = replace(swing, rerun=None)
+    assert re.search(r"moves point 2 by about", without_rerun.plot_sensitivities().get_suptitle())
+    assert without_rerun.row_of_other_run({"contact.stiffness": 2e7}, 0.1) is None
     assert swing.row_of_other_run({"contact.stiffness": -1.0}, 0.1) is None
-    other = swing.row_of_other_run({"gravity.y": 0.0}, 0.1)
-    np.testing.assert_allclose(other.energies["potential"], 0.0, atol=1e-12)
+    other_row = swing.row_of_other_run({"gravity.y": 0.0}, 0.1)
+    np.testing.assert_allclose(other_row.energies["potential"], 0.0, atol=1e-12)
 
 
 def test_a_step_of_a_parameter_that_is_zero_does_not_set_the_scale():
@@ -372,14 +381,14 @@ def test_a_step_of_a_parameter_that_is_zero_does_not_set_the_scale():
         "contact.radius + 0.01 m",
     ]
     assert ADDED_HEADING in [text.get_text() for text in table.texts]
-    above, added = table.images
-    assert added.get_extent()[3] == above.get_extent()[2] + 1.0
-    assert (added.to_rgba(added.get_array())[..., 3] == 0.0).all()
-    largest = np.nanmax(np.abs(curve.get_ydata()))
-    assert 0.0 < largest <= MOST_OF_ZERO * of_value
-    assert largest <= of_zero * part
-    alone = simulate("four_link_box", 1.1, sensitivities="contact.radius")
-    page = alone.plot_sensitivities(outputs=["point[4].x"])
+    value_cells, added_cells = table.images
+    assert added_cells.get_extent()[3] == value_cells.get_extent()[2] + 1.0
+    assert (added_cells.to_rgba(added_cells.get_array())[..., 3] == 0.0).all()
+    largest_change = np.nanmax(np.abs(curve.get_ydata()))
+    assert 0.0 < largest_change <= MOST_OF_ZERO * of_value
+    assert largest_change <= of_zero * part
+    radius_run = simulate("four_link_box", 1.1, sensitivities="contact.radius")
+    page = radius_run.plot_sensitivities(outputs=["point[4].x"])
     assert [text.get_text() for text in page.legends[0].get_texts()] == [
         "contact.radius + 0.01 m",
         "change in a run",

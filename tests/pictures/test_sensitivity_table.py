@@ -55,21 +55,21 @@ def test_many_impacts_have_colours_in_place_of_numbers():
     assert [label.get_text() for label in bar.get_yticklabels()] == ["−10", "−1", "0", "+1", "+10"]
     assert bar.get_ylim() == pytest.approx((image.norm.vmin, image.norm.vmax))
     figure, looks = Figure(), [{"color": colour} for colour in PALETTE[:2]]
-    every = np.ones((len(recording.time), 2), bool)  # also changes that no curve shows
-    draw_impact_changes(figure.subplots(), recording, recording.sensitivities, looks, every)
+    keeps_order = np.ones((len(recording.time), 2), bool)  # the table then shows changes that no curve shows
+    draw_impact_changes(figure.subplots(), recording, recording.sensitivities, looks, keeps_order)
     assert figure.axes[0].images[0].colorbar.extend == "both"  # larger changes have the colours of the ends
     assert image.colorbar.extend == "neither"
     # the middle of the logarithmic scale between 0 and an end
     half = float(image.norm.inverse(0.75))
     assert 0.05 < half / image.norm.vmax < 0.2
-    below, zero, above = image.to_rgba(np.array([-half, 0.0, half]))
-    assert below[0] > below[2]
-    assert above[2] > above[0]
+    negative, zero, positive = image.to_rgba(np.array([-half, 0.0, half]))
+    assert negative[0] > negative[2]
+    assert positive[2] > positive[0]
     assert zero[3] < 0.01
     # colours are equally strong on both sides, on white and on black
-    assert [below[3], above[3]] == pytest.approx([0.5 * MOST_OPACITY] * 2, abs=0.01)
+    assert [negative[3], positive[3]] == pytest.approx([0.5 * MOST_OPACITY] * 2, abs=0.01)
     for ground in (0.0, 1.0):
-        assert contrast(*(c[3] * c[:3] + (1.0 - c[3]) * ground for c in (below, above))) < 1.05
+        assert contrast(*(c[3] * c[:3] + (1.0 - c[3]) * ground for c in (negative, positive))) < 1.05
 
 
 @pytest.mark.full("takes long")
@@ -110,8 +110,10 @@ def test_the_colours_of_the_table_are_no_colours_of_curves(swing):
     image = swing.plot_sensitivities().axes[-1].images[0]
     for change in (-100.0, -1.0, 1.0, 100.0):
         hue = rgb_to_hsv(image.to_rgba(change)[:3])[0]
-        apart = np.abs(rgb_to_hsv([to_rgb(colour) for colour in PALETTE[:LARGEST_EFFECTS]])[:, 0] - hue)
-        assert np.minimum(apart, 1.0 - apart).min() > 0.05
+        hue_distances = np.abs(
+            rgb_to_hsv([to_rgb(colour) for colour in PALETTE[:LARGEST_EFFECTS]])[:, 0] - hue
+        )
+        assert np.minimum(hue_distances, 1.0 - hue_distances).min() > 0.05
 
 
 def test_rigid_impacts_have_changes_of_impulses():
@@ -123,7 +125,7 @@ def test_rigid_impacts_have_changes_of_impulses():
 @pytest.mark.full("takes long")
 @pytest.mark.parametrize("width", [84.0, 120.0, 190.0])
 def test_names_of_rows_do_not_narrow_the_panels(swing, width):
-    """The names stand between the headline's margin or the axes' left edge and the cells."""
+    """The names of rows stand left of the cells, without moving the panels to the right."""
     page = swing.plot_sensitivities(size=(width / 25.4, None))
     page.draw_without_rendering()
     *panels, table = page.axes

@@ -96,8 +96,8 @@ def test_every_law_has_a_look_and_twins_share_one(comparison):
 
 
 def test_six_laws_are_named_each_in_its_own_colour_and_the_rest_is_grey(comparison):
-    why = named_laws(comparison)
-    assert why == {
+    reasons = named_laws(comparison)
+    assert reasons == {
         "zhang_sharf": "reference",
         "hertz": "no losses",
         "gharib_hurmuzlu": "differs most with losses",
@@ -108,33 +108,36 @@ def test_six_laws_are_named_each_in_its_own_colour_and_the_rest_is_grey(comparis
     looks = looks_of(comparison)
     coloured = {law: look["color"] for law, look in looks.items() if look["color"] not in (GREY, INK)}
     assert len(coloured) == len(set(coloured.values())) == COLOURED_LAWS
-    for law, reason in why.items():
+    for law, reason in reasons.items():
         (look,) = (look for look in looks.values() if law in look["label"].replace(",", "").split())
-        told = look["label"].partition("(")[2]
-        assert told == ", ".join(filter(None, [reason, f"e′ = {comparison[law].restitution:.2f})"]))
+        text = look["label"].partition("(")[2]
+        assert text == ", ".join(filter(None, [reason, f"e′ = {comparison[law].restitution:.2f})"]))
 
 
 def test_a_law_has_the_same_colour_in_each_picture(comparison):
     assert {*LAW_LOOKS} == {*CONTACT_LAWS}
-    seen = [tuple(look.values()) for look in LAW_LOOKS.values()]
-    assert len({*seen}) == len(seen)
-    few = compare("pinned_arm", laws=["zhang_sharf", "lankarani_nikravesh"])
-    for found in (comparison, few):
-        assert looks_of(found)["lankarani_nikravesh"]["color"] == LAW_LOOKS["lankarani_nikravesh"]["color"]
+    looks = [tuple(look.values()) for look in LAW_LOOKS.values()]
+    assert len({*looks}) == len(looks)
+    short_comparison = compare("pinned_arm", laws=["zhang_sharf", "lankarani_nikravesh"])
+    for shown_comparison in (comparison, short_comparison):
+        assert (
+            looks_of(shown_comparison)["lankarani_nikravesh"]["color"]
+            == LAW_LOOKS["lankarani_nikravesh"]["color"]
+        )
 
 
 def test_the_law_without_losses_has_its_own_line():
     """Else the band of the other laws would reach up to its constant energy."""
-    found = compare("bouncing_ball", laws=["zhang_sharf", "hertz", "gharib_hurmuzlu", "newton_impact"])
-    why = named_laws(found)
-    assert (why["hertz"], why["gharib_hurmuzlu"]) == ("no losses", "differs most with losses")
+    comparison = compare("bouncing_ball", laws=["zhang_sharf", "hertz", "gharib_hurmuzlu", "newton_impact"])
+    reasons = named_laws(comparison)
+    assert (reasons["hertz"], reasons["gharib_hurmuzlu"]) == ("no losses", "differs most with losses")
 
 
 @pytest.mark.parametrize("restitution", [0.8, 1.0])
 def test_a_force_jumps_at_the_onset_only_with_losses(restitution):
     scene = load_scene("bouncing_ball").with_values({"contact.restitution": restitution})
-    why = named_laws(compare(scene, laws=["zhang_sharf", "kelvin_voigt"]))
-    assert ("jumps" in why.get("kelvin_voigt", "")) == (restitution < 1.0)
+    reasons = named_laws(compare(scene, laws=["zhang_sharf", "kelvin_voigt"]))
+    assert ("jumps" in reasons.get("kelvin_voigt", "")) == (restitution < 1.0)
 
 
 def test_lines_have_dashes_only_where_they_coincide_and_none_in_the_legend():
@@ -148,10 +151,10 @@ def test_lines_have_dashes_only_where_they_coincide_and_none_in_the_legend():
         assert {*solid} == {"zhang_sharf", "hunt_crossley", "flores", "gharib_hurmuzlu"}
         assert dashed
         assert {line.get_color() for line in dashed} < {line.get_color() for line in solid.values()}
-        whole = solid["hunt_crossley"].get_xydata()
+        curve = solid["hunt_crossley"].get_xydata()
         for line in dashed:
             points = line.get_xydata()[~np.isnan(line.get_xydata()[:, 0])]
-            gaps = [np.hypot(*((whole - point) / np.nanmax(whole, axis=0)).T).min() for point in points]
+            gaps = [np.hypot(*((curve - point) / np.nanmax(curve, axis=0)).T).min() for point in points]
             assert np.median(gaps) < 0.03
     (legend,) = page.legends
     assert {line.get_linestyle() for line in legend.get_lines() if line.get_label()[0] != "_"} <= {
@@ -171,27 +174,32 @@ def test_the_scenes_own_law_is_named():
 
 def test_no_law_with_losses_differs_more_than_the_law_that_differs_most(comparison):
     """Differences are relative to the reference, also if it has another restitution than requested."""
-    for found in (comparison, compare(driven(), laws=["zhang_sharf", "flores", "lee_wang", "newton_impact"])):
-        expected = found[found.reference].restitution
-        off = {run.law: abs(run.restitution - expected) for run in found.runs if run.law != "hertz"}
-        most = [law for law, why in named_laws(found).items() if "differs most" in why]
-        rest = [off[law] for law in off if law not in most]
-        assert min(off[law] for law in most) >= max(rest)
+    for shown_comparison in (
+        comparison,
+        compare(driven(), laws=["zhang_sharf", "flores", "lee_wang", "newton_impact"]),
+    ):
+        expected = shown_comparison[shown_comparison.reference].restitution
+        deviations = {
+            run.law: abs(run.restitution - expected) for run in shown_comparison.runs if run.law != "hertz"
+        }
+        extremes = [law for law, reason in named_laws(shown_comparison).items() if "differs most" in reason]
+        rest = [deviations[law] for law in deviations if law not in extremes]
+        assert min(deviations[law] for law in extremes) >= max(rest)
 
 
 def test_an_impact_that_is_not_free_is_told_in_the_picture():
-    found = compare(driven(), laws=["zhang_sharf", "flores"])
-    assert f"not free: e′ = {found.reached[0].lossless:.2f} without losses" in conditions(
-        found, looks_of(found)
+    comparison = compare(driven(), laws=["zhang_sharf", "flores"])
+    assert f"not free: e′ = {comparison.reached[0].lossless:.2f} without losses" in conditions(
+        comparison, looks_of(comparison)
     )
 
 
 def test_a_restitution_above_1_without_losses_is_explained():
-    found = compare("pinned_arm", laws=["zhang_sharf", "hertz"])
-    assert f"{found['hertz'].restitution:.2f}" == "1.01"
-    assert found.is_free
-    told = conditions(found, looks_of(found))
-    assert "with other forces during the impact: e′ = 1.01 without losses" in told
+    comparison = compare("pinned_arm", laws=["zhang_sharf", "hertz"])
+    assert f"{comparison['hertz'].restitution:.2f}" == "1.01"
+    assert comparison.is_free
+    text = conditions(comparison, looks_of(comparison))
+    assert "with other forces during the impact: e′ = 1.01 without losses" in text
 
 
 @pytest.mark.full("more cases", but=1)
@@ -217,19 +225,19 @@ def test_grey_loops_have_an_area_also_where_the_penetration_grows_again():
     (area,) = loops.collections
     assert isinstance(area, PolyCollection)
     edges = area.get_paths()[0].vertices
-    for depth, least, largest in ((0.25, 0.46875, 0.5), (0.9, 1.8, 1.8), (0.65, 1.21875, 1.3)):
+    for depth, low, high in ((0.25, 0.46875, 0.5), (0.9, 1.8, 1.8), (0.65, 1.21875, 1.3)):
         heights = [y for x, y in edges if abs(x - depth) < 0.002]
-        assert min(heights) == pytest.approx(least, abs=0.01)
-        assert max(heights) == pytest.approx(largest, abs=0.01)
+        assert min(heights) == pytest.approx(low, abs=0.01)
+        assert max(heights) == pytest.approx(high, abs=0.01)
 
 
 def test_a_band_without_restitutions_names_the_extreme_forces():
-    found = compare("hopper")
-    looks = looks_of(found)
-    band = laws_in_band(found, looks)
-    forces = {law: found[law].peak_force for law in band}
+    comparison = compare("hopper")
+    looks = looks_of(comparison)
+    band = laws_in_band(comparison, looks)
+    forces = {law: comparison[law].peak_force for law in band}
     ends = [min(forces, key=forces.get), max(forces, key=forces.get)]
-    label = band_label(found, band)
+    label = band_label(comparison, band)
     assert [label.index(law) for law in ends] == sorted(label.index(law) for law in ends)
     assert label.count("N)") == 2
 
@@ -249,27 +257,27 @@ def test_the_range_of_peak_forces_is_told(comparison):
 
 
 @pytest.mark.parametrize(
-    ("model", "said"),
+    ("model", "pattern"),
     [
         ("pinned_arm", r"PinnedArm: restitution is [\d.]+ to [\d.]+"),
         ("sliding_rod", r"SlidingRod: peak force is [\d.]+ to [\d.]+ k?N"),
     ],
 )
-def test_the_headline_of_a_narrow_page_is_a_sentence(model, said):
-    found = compare(model, laws=["zhang_sharf", "gonthier"])
-    assert re.fullmatch(said, headline(found, is_small=True).replace("\u00a0", " "))
+def test_the_headline_of_a_narrow_page_is_a_sentence(model, pattern):
+    comparison = compare(model, laws=["zhang_sharf", "gonthier"])
+    assert re.fullmatch(pattern, headline(comparison, is_small=True).replace("\u00a0", " "))
 
 
 def test_the_energy_has_the_zero_of_the_picture_of_the_motion():
-    found = compare("pinned_arm", laws=["zhang_sharf", "hertz"])
-    _, energy = comparison_page(found).axes
+    comparison = compare("pinned_arm", laws=["zhang_sharf", "hertz"])
+    _, energy = comparison_page(comparison).axes
     (motion,) = (
-        look["label"] for _, look in energy_curves(found["hertz"].result) if "total" in look["label"]
+        look["label"] for _, look in energy_curves(comparison["hertz"].result) if "total" in look["label"]
     )
     assert energy.get_ylabel() == f"{motion} [J]"
     shift = float(motion.split()[2])
     (line,) = (line for line in energy.lines if line.get_label().startswith("hertz"))
-    np.testing.assert_allclose(line.get_ydata(), found["hertz"].result.energy["total"] + shift)
+    np.testing.assert_allclose(line.get_ydata(), comparison["hertz"].result.energy["total"] + shift)
 
 
 def test_the_energy_begins_shortly_before_the_first_impact(comparison):
@@ -282,54 +290,54 @@ def test_the_panels_show_loops_and_energy(comparison):
     page = comparison_page(comparison)
     loops, energy = page.axes
     looks = looks_of(comparison)
-    named = sum(look["color"] not in (GREY, INK) for look in looks.values())
+    law_count = sum(look["color"] not in (GREY, INK) for look in looks.values())
     laws = [[line for line in axes.lines if line.get_label()[0] != "_"] for axes in page.axes]
     coloured = [[line for line in lines if line.get_color() not in (GREY, INK)] for lines in laws]
-    assert [*map(len, coloured)] == [named, named]
+    assert [*map(len, coloured)] == [law_count, law_count]
     line = next(line for line in loops.lines if line.get_label().startswith("zhang_sharf"))
     np.testing.assert_allclose(line.get_xydata().T, comparison["zhang_sharf"].loop * [[1e3], [1e-3]])
     names = [axes.get_xlabel() for axes in page.axes] + [axes.get_ylabel() for axes in page.axes]
     assert sum("[" in name for name in names) == 4
     (legend,) = page.legends
-    told = [text.get_text() for text in legend.get_texts()]
-    assert len(told) == COLOURED_LAWS + 3  # a law of impulses, the others, and the mark of other impacts
+    labels = [text.get_text() for text in legend.get_texts()]
+    assert len(labels) == COLOURED_LAWS + 3  # a law of impulses, the others, and the mark of other impacts
     ends = {
         run.law: run.restitution for run in comparison.runs if looks.get(run.law, {}).get("color") == GREY
     }
     for law in (min(ends, key=ends.get), max(ends, key=ends.get)):
-        assert law in told[-2]
+        assert law in labels[-2]
     thin = [line.get_xydata() for line in loops.lines if line.get_color() == GREY]
     assert len(thin) == len([law for law in ends if comparison[law].loop.size])
     band = energy.collections[0]
-    least, most = band.get_datalim(energy.transData).intervaly
+    low, high = band.get_datalim(energy.transData).intervaly
     last = [comparison[law].result.energy["total"][-1] for law in ends if comparison[law].result]
-    assert least <= min(last) <= max(last) <= most
+    assert low <= min(last) <= max(last) <= high
 
 
 def test_the_headline_has_the_spread_of_the_laws(comparison):
     page = comparison_page(comparison)
-    said, conditions = (text.get_text().replace("\n", " ") for text in page.texts)
-    found = [run.restitution for run in comparison.runs if run.law not in ("hertz", "newton_impact")]
+    message, conditions = (text.get_text().replace("\n", " ") for text in page.texts)
+    restitutions = [run.restitution for run in comparison.runs if run.law not in ("hertz", "newton_impact")]
     assert re.search(
-        r"(\d+) laws with losses reach restitution ([\d.]+) to ([\d.]+) and peak", said
+        r"(\d+) laws with losses reach restitution ([\d.]+) to ([\d.]+) and peak", message
     ).groups() == (
         str(len(CONTACT_LAWS) - 2),
-        f"{min(found):.2f}",
-        f"{max(found):.2f}",
+        f"{min(restitutions):.2f}",
+        f"{max(restitutions):.2f}",
     )
     assert "grey" not in conditions, "the legend names the grey laws"
     legend = [text.get_text() for text in page.legends[0].get_texts()]
-    named = [law for text in legend[:-2] for law in text.partition(" (")[0].split(", ")]
-    assert legend[-2].startswith(f"{len(CONTACT_LAWS) - len(named)} other laws")
+    law_names = [law for text in legend[:-2] for law in text.partition(" (")[0].split(", ")]
+    assert legend[-2].startswith(f"{len(CONTACT_LAWS) - len(law_names)} other laws")
 
 
 def test_a_mark_tells_from_where_on_impacts_differ_from_the_reference(comparison):
     _, energy = comparison_page(comparison).axes
-    assert any("differs from zhang_sharf" in each.get_label() for each in energy.collections)
+    assert any("differs from zhang_sharf" in collection.get_label() for collection in energy.collections)
     marks = {
-        float(each.get_offsets()[0, 0]): each.get_edgecolor()[0]
-        for each in energy.collections
-        if len(each.get_offsets()) == 1
+        float(collection.get_offsets()[0, 0]): collection.get_edgecolor()[0]
+        for collection in energy.collections
+        if len(collection.get_offsets()) == 1
     }
     looks = looks_of(comparison)
     for law in {*named_laws(comparison)} & {*looks}:
@@ -338,24 +346,25 @@ def test_a_mark_tells_from_where_on_impacts_differ_from_the_reference(comparison
 
 
 @pytest.mark.parametrize(
-    ("model", "why"), [("sliding_rod", "push on during this contact"), ("whip", "drive this contact apart")]
+    ("model", "reason"),
+    [("sliding_rod", "push on during this contact"), ("whip", "drive this contact apart")],
 )
-def test_no_restitution_is_told_where_other_forces_decide(model, why):
-    found = compare(
+def test_no_restitution_is_told_where_other_forces_decide(model, reason):
+    comparison = compare(
         model, laws=["zhang_sharf", "hertz", "gonthier", "kelvin_voigt", "hunt_crossley", "tsuji"]
     )
-    assert not found.has_restitution
-    said = [text.get_text() for text in comparison_page(found).texts]
-    assert "peak force" in said[0]
-    assert "restitution" not in said[0]
-    assert why in said[1]
-    assert not any("e′" in look["label"] for look in looks_of(found).values())
+    assert not comparison.has_restitution
+    texts = [text.get_text() for text in comparison_page(comparison).texts]
+    assert "peak force" in texts[0]
+    assert "restitution" not in texts[0]
+    assert reason in texts[1]
+    assert not any("e′" in look["label"] for look in looks_of(comparison).values())
 
 
 def test_an_impact_without_speed_has_no_restitution():
-    found = compare("rocking_block", laws=["hertz", "flores"])
-    assert not found.has_restitution
-    assert not any(run.restitution > 0.0 for run in found.runs)
+    comparison = compare("rocking_block", laws=["hertz", "flores"])
+    assert not comparison.has_restitution
+    assert not any(run.restitution > 0.0 for run in comparison.runs)
 
 
 def test_the_headline_counts_no_grey_laws_where_there_are_none():
@@ -373,10 +382,10 @@ def test_laws_that_did_not_run_leave_the_others_in_the_picture(tmp_path):
 
 
 def test_a_law_whose_lines_are_covered_is_named_with_the_law_above_it():
-    found = compare("elastic_ball", laws=["zhang_sharf", "hertz", "tsuji", "jankowski", "newton_impact"])
-    looks = looks_of(found)
+    comparison = compare("elastic_ball", laws=["zhang_sharf", "hertz", "tsuji", "jankowski", "newton_impact"])
+    looks = looks_of(comparison)
     assert not [look for look in looks.values() if look["color"] == GREY]
-    assert "grey" not in conditions(found, looks)
+    assert "grey" not in conditions(comparison, looks)
     (label,) = (look["label"] for look in looks.values() if "zhang_sharf" in look["label"])
     assert {"tsuji", "jankowski"} <= {*label.partition(" (")[0].split(", ")}
 
@@ -390,10 +399,15 @@ def test_a_line_that_laws_share_has_their_names_at_its_end(label, expected):
 
 
 def test_the_energy_ends_when_all_laws_with_losses_have_settled(comparison):
-    for found in (comparison, compare("rod_drop", laws=["zhang_sharf", "hertz", "flores"])):
-        start, end = shown_span(found)
-        assert start < found.first_impact["onset"] < end <= found[found.reference].result.time[-1]
-        for run in found.runs:
+    for shown_comparison in (comparison, compare("rod_drop", laws=["zhang_sharf", "hertz", "flores"])):
+        start, end = shown_span(shown_comparison)
+        assert (
+            start
+            < shown_comparison.first_impact["onset"]
+            < end
+            <= shown_comparison[shown_comparison.reference].result.time[-1]
+        )
+        for run in shown_comparison.runs:
             if run.law != "hertz" and run.result is not None:
                 total = run.result.energy["total"]
                 late = total[run.result.time > end]

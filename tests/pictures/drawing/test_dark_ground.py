@@ -34,9 +34,9 @@ def page():
 @pytest.mark.full("takes long")
 def test_a_page_is_dark_throughout(page):
     """The walls' outside is dark, too; only lines, letters and the bar of time are light."""
-    seen = pixels(page)
-    assert np.median(seen) == 0.0
-    assert (seen > 0.18).mean() < 0.08
+    luminances = pixels(page)
+    assert np.median(luminances) == 0.0
+    assert (luminances > 0.18).mean() < 0.08
     assert to_hex(page.get_facecolor()) == "#000000"
 
 
@@ -57,16 +57,17 @@ def test_lines_texts_and_colours_of_time_can_be_seen(page):
     lines = next(axes for axes in page.axes if axes.get_label() == "energy").collections[0]
     assert (
         luminance(lines.get_edgecolor()[0]) > 0.015
-    )  # the lines at impacts: twice as bright as their ground
+        # the lines at impacts are at least twice as bright as their ground
+    )
 
 
 def test_faint_lines_have_contrast_also_in_the_legend(page):
     motion = next(panel for panel in page.axes if panel.get_label() == "motion")
     legend = motion.get_legend()
     keys = dict(zip([text.get_text() for text in legend.get_texts()], legend.legend_handles, strict=True))
-    drawn = {item.get_label(): item for item in motion.collections}
+    lines_by_name = {item.get_label(): item for item in motion.collections}
     for name in ("chain between", "other points"):
-        for lines in (drawn[name], keys[name]):
+        for lines in (lines_by_name[name], keys[name]):
             *colour, alpha = to_rgba(np.reshape(lines.get_color(), (-1, 4))[0], lines.get_alpha())
             assert contrast(alpha * np.array(colour), "black") >= 1.99, name
 
@@ -88,11 +89,11 @@ def test_a_transparent_area_can_be_seen_on_a_dark_ground():
 def test_axes_of_a_dark_style_keep_what_was_there():
     with matplotlib.style.context("dark_background"):
         axes = Figure().add_subplot()
-        (own,) = axes.plot([0.0, 1.0], [0.0, 1.0], color="navy")
+        (users_line,) = axes.plot([0.0, 1.0], [0.0, 1.0], color="navy")
         recorded("rod_drop").plot(kind="energy", ax=axes)
         axes.figure.draw_without_rendering()
-    assert own.get_color() == "navy"
-    own.remove()
+    assert users_line.get_color() == "navy"
+    users_line.remove()
     assert to_hex(axes.get_facecolor()) == "#000000"
     texts = [*axes.get_legend().get_texts(), *axes.get_xticklabels(), *axes.get_yticklabels()]
     assert {to_hex(text.get_color()) for text in texts} == {"#ffffff"}
@@ -110,24 +111,28 @@ def test_a_map_keeps_its_colours_and_cells_without_value_get_dark():
     axes = page.subplots()
     mesh = axes.pcolormesh(np.ma.masked_invalid([[1.0, np.nan]]), cmap="cividis")
     mesh.set_cmap(mesh.get_cmap().with_extremes(bad="0.8"))
-    before = mesh.get_cmap()(0.3)
+    colour = mesh.get_cmap()(0.3)
     adapt_to_dark_style(page)
     assert to_hex(mesh.get_cmap().get_bad()) == "#cccccc"
     with matplotlib.style.context("dark_background"):
         adapt_to_dark_style(page)
     assert luminance(mesh.get_cmap().get_bad()) < 0.1
-    assert mesh.get_cmap()(0.3) == before
+    assert mesh.get_cmap()(0.3) == colour
 
 
 def test_the_colours_of_curves_differ_on_a_dark_ground():
     """A difference of 10 in CIELAB is seen at a glance, but not between thin lines."""
-    for one, other in itertools.combinations(PALETTE, 2):
-        assert np.linalg.norm(lab_colour(lightened_colour(one)) - lab_colour(lightened_colour(other))) > 15.0
+    for first, second in itertools.combinations(PALETTE, 2):
+        assert (
+            np.linalg.norm(lab_colour(lightened_colour(first)) - lab_colour(lightened_colour(second))) > 15.0
+        )
     laws = [
         look["color"] for look in LAW_LOOKS.values() if "linestyle" not in look and look["color"] != BLACK
     ]
-    for one, other in itertools.combinations(laws, 2):
-        assert np.linalg.norm(lab_colour(lightened_colour(one)) - lab_colour(lightened_colour(other))) > 25.0
+    for first, second in itertools.combinations(laws, 2):
+        assert (
+            np.linalg.norm(lab_colour(lightened_colour(first)) - lab_colour(lightened_colour(second))) > 25.0
+        )
 
 
 def dark_grounds():

@@ -10,7 +10,7 @@ from chain_impact.pictures.drawing.end_labels import spread, spread_out, write_e
 
 
 @pytest.mark.parametrize(
-    ("places", "apart"),
+    ("places", "expected"),
     [
         ([0.0, 5.0, 9.0], [0.0, 5.0, 9.0]),
         ([4.9, 5.1], [4.5, 5.5]),
@@ -18,8 +18,8 @@ from chain_impact.pictures.drawing.end_labels import spread, spread_out, write_e
         ([8.0, 9.9, 10.0], [8.0, 9.0, 10.0]),
     ],
 )
-def test_places_are_moved_apart_as_little_as_possible(places, apart):
-    np.testing.assert_allclose(spread_out(np.array(places), 1.0, 0.0, 10.0), apart)
+def test_places_are_moved_apart_as_little_as_possible(places, expected):
+    np.testing.assert_allclose(spread_out(np.array(places), 1.0, 0.0, 10.0), expected)
 
 
 def test_names_do_not_overlap_and_keep_the_order_of_their_lines():

@@ -15,10 +15,10 @@ def test_the_least_height_is_found_by_bisection(lines):
         heights.append(float(figure.get_figheight()))
         figure.text(0.1, 0.02, "\n".join("x" * lines), fontsize=12)
 
-    least = float(least_figure(fill, 4.0, 0.5).get_figheight())
-    assert least == min(height for height in heights if height >= least)
-    assert max(height for height in heights if height < least) == least - 0.25
-    assert len(heights) <= 6  # 39 heights, halved
+    lowest = float(least_figure(fill, 4.0, 0.5).get_figheight())
+    assert lowest == min(height for height in heights if height >= lowest)
+    assert max(height for height in heights if height < lowest) == lowest - 0.25
+    assert len(heights) <= 6  # a bisection of 39 heights
 
 
 def test_a_height_at_which_only_texts_overlap_is_exceeded_in_small_steps():
@@ -48,7 +48,7 @@ def test_a_figure_as_high_as_a_page_is_drawn_once_for_usual_and_low_axes():
 
 @pytest.mark.parametrize("panels", [4, 7])
 def test_a_figure_of_several_panels_fits_on_a_page(panels):
-    """Beside 4 panels there is room for axes with their usual height, beside 7 only for lower ones."""
+    """4 panels have room for axes of the usual height, 7 panels only for lower ones."""
 
     def fill(figure):
         for axes in figure.subplots(panels, 1):

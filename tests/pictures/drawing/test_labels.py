@@ -23,12 +23,12 @@ def axes():
 def test_the_first_keeps_its_place_and_those_that_have_no_room_are_told(axes):
     labels = [Label(str(k), (0.5 + 0.001 * k, 0.5)) for k in range(60)]
     left = place_labels(axes, labels, UsedPixels(axes.figure), fontsize=7)
-    shown = [text.get_text() for text in axes.texts]
-    assert shown[0] == "0"
-    assert 1 < len(shown) < 60
-    assert sorted([*shown, *(label.text for label in left)]) == sorted(map(str, range(60)))
-    for one, other in itertools.combinations([text.get_window_extent() for text in axes.texts], 2):
-        assert not one.overlaps(other)
+    shown_texts = [text.get_text() for text in axes.texts]
+    assert shown_texts[0] == "0"
+    assert 1 < len(shown_texts) < 60
+    assert sorted([*shown_texts, *(label.text for label in left)]) == sorted(map(str, range(60)))
+    for first, second in itertools.combinations([text.get_window_extent() for text in axes.texts], 2):
+        assert not first.overlaps(second)
 
 
 def test_a_label_turns_to_where_it_keeps_inside(axes):
@@ -38,11 +38,11 @@ def test_a_label_turns_to_where_it_keeps_inside(axes):
         )
         == []
     )
-    inside = axes.get_window_extent()
+    axes_box = axes.get_window_extent()
     for text in axes.texts:
         box = text.get_window_extent()
-        assert inside.x0 <= box.x0 <= box.x1 <= inside.x1
-        assert inside.y0 <= box.y0 <= box.y1 <= inside.y1
+        assert axes_box.x0 <= box.x0 <= box.x1 <= axes_box.x1
+        assert axes_box.y0 <= box.y0 <= box.y1 <= axes_box.y1
 
 
 def test_a_label_without_a_leader_is_nearest_to_its_own_place(axes):
@@ -54,24 +54,27 @@ def test_a_label_without_a_leader_is_nearest_to_its_own_place(axes):
     for text in axes.texts:
         box = text.get_window_extent()
         distances = np.hypot(*(places - 0.5 * (box.min + box.max)).T)
-        own = axes.transData.transform(text.xy)
-        assert (places[distances.argmin()] == own).all(), text.get_text()
+        place = axes.transData.transform(text.xy)
+        assert (places[distances.argmin()] == place).all(), text.get_text()
         assert text.arrow_patch is None
 
 
 def test_a_label_stands_on_the_side_it_is_meant_for(axes):
     sides = [Label("left", (0.5, 0.2), (-1.0, 0.0)), Label("below", (0.5, 0.8), (0.0, -1.0))]
     place_labels(axes, sides, UsedPixels(axes.figure))
-    left, below = (text.get_window_extent() for text in axes.texts)
-    assert left.x1 < axes.transData.transform((0.5, 0.2))[0]
-    assert below.y1 < axes.transData.transform((0.5, 0.8))[1]
+    left_box, lower_box = (text.get_window_extent() for text in axes.texts)
+    assert left_box.x1 < axes.transData.transform((0.5, 0.2))[0]
+    assert lower_box.y1 < axes.transData.transform((0.5, 0.8))[1]
 
 
 def test_a_wide_label_leaves_the_best_position_of_the_next_place_free(axes):
     axes.axhline(0.5, color="black")
-    below = (0.0, -1.0)
-    wide, other = Label("7, 10 + 4 more", (0.5, 0.5), below), Label("2", (0.45, 0.5), below)
-    assert place_labels(axes, [wide, other], UsedPixels(axes.figure), lines=True) == []
+    downwards = (0.0, -1.0)
+    wide_label, next_label = (
+        Label("7, 10 + 4 more", (0.5, 0.5), downwards),
+        Label("2", (0.45, 0.5), downwards),
+    )
+    assert place_labels(axes, [wide_label, next_label], UsedPixels(axes.figure), lines=True) == []
     first, second = axes.texts
     assert second.get_text() == "2"
     assert second.get_window_extent().y1 > axes.transData.transform((0.0, 0.5))[1] - 25.0  # at its place
@@ -111,10 +114,10 @@ def test_a_line_to_a_label_passes_no_other_label(axes):
     boxes = [Text.get_window_extent(text) for text in axes.texts]
     assert len(boxes) > 2
     place = axes.transData.transform((0.5, 0.5))
-    for one, other in itertools.permutations(boxes, 2):
-        middle = 0.5 * (one.min + one.max)
+    for box, other_box in itertools.permutations(boxes, 2):
+        middle = 0.5 * (box.min + box.max)
         ray = place + np.linspace(0.0, 1.0, 200)[:, None] * (middle - place)
-        assert not any(other.contains(*point) for point in ray)
+        assert not any(other_box.contains(*point) for point in ray)
 
 
 @pytest.mark.parametrize(
@@ -129,9 +132,8 @@ def test_a_line_to_a_label_goes_around_a_strong_line_if_it_can():
     page = Figure((4.0, 4.0), dpi=100)
     axes = page.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, 4.0), ylim=(0.0, 4.0))
     axes.axis("off")
-    axes.fill(
-        [1.7, 2.3, 2.3, 1.7], [1.7, 1.7, 2.3, 2.3], color="0.93"
-    )  # covers all positions beside the place
+    # covers all positions beside the place
+    axes.fill([1.7, 2.3, 2.3, 1.7], [1.7, 1.7, 2.3, 2.3], color="0.93")
     wall = axes.plot([2.45, 2.45], [0.0, 4.0], color="black")[0].get_xdata()[0]
     assert not place_labels(axes, [Label("1", (2.0, 2.0), (1.0, 0.0))], UsedPixels(page), lines=True)
     (label,) = axes.texts
@@ -209,8 +211,8 @@ def test_no_leader_ends_inside_a_strong_body():
     axes = page.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, 4.0), ylim=(0.0, 4.0))
     axes.axis("off")
     axes.fill([1.6, 2.4, 2.4, 1.6], [1.6, 1.6, 2.4, 2.4], color="black")
-    inside, at_edge = Label("6, 9", (2.0, 2.0)), Label("4", (2.38, 2.0), (1.0, 0.0))
-    assert place_labels(axes, [inside, at_edge], UsedPixels(page), lines=True) == [inside]
+    label_inside, label_at_edge = Label("6, 9", (2.0, 2.0)), Label("4", (2.38, 2.0), (1.0, 0.0))
+    assert place_labels(axes, [label_inside, label_at_edge], UsedPixels(page), lines=True) == [label_inside]
 
 
 def test_another_order_is_tried_if_a_label_has_no_room():
@@ -223,8 +225,8 @@ def test_another_order_is_tried_if_a_label_has_no_room():
     labels = [Label("1", (1.83, 2.0), (1.0, 0.0)), Label("2", (2.17, 2.0))]
     assert place_labels(axes, labels, UsedPixels(page), lines=True, fontsize=9) == []
     page.draw_without_rendering()
-    one, two = sorted(axes.texts, key=Text.get_text)
-    assert Text.get_window_extent(one).x1 < 183.0 < Text.get_window_extent(two).x0
+    first, second = sorted(axes.texts, key=Text.get_text)
+    assert Text.get_window_extent(first).x1 < 183.0 < Text.get_window_extent(second).x0
 
 
 def test_labels_in_a_row_do_not_read_as_one(axes):

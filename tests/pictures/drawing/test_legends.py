@@ -80,5 +80,5 @@ def test_a_long_entry_leaves_no_gap_in_a_legend():
     boxes = [text.get_window_extent() for text in axes.get_legend().get_texts()]
     rows = [[box for box in boxes if round(box.y0, -1) == y] for y in {round(box.y0, -1) for box in boxes}]
     assert len(rows) == 2
-    gaps = [two.x0 - one.x1 for row in rows for one, two in itertools.pairwise(row)]
+    gaps = [next_box.x0 - box.x1 for row in rows for box, next_box in itertools.pairwise(row)]
     assert np.ptp(gaps) < 2.0

@@ -50,18 +50,23 @@ def test_a_line_on_white_has_the_contrast_of_graphical_objects(colour):
 @pytest.mark.parametrize("sight", SIGHTS)
 def test_the_colours_of_curves_differ_for_each_kind_of_sight(sight):
     """A difference of 10 in CIELAB is seen at a glance, but not between thin lines."""
-    for one, other in itertools.combinations(PALETTE, 2):
-        assert np.linalg.norm(lab_colour(one, SIGHTS[sight]) - lab_colour(other, SIGHTS[sight])) > 15.0
+    for first, second in itertools.combinations(PALETTE, 2):
+        assert np.linalg.norm(lab_colour(first, SIGHTS[sight]) - lab_colour(second, SIGHTS[sight])) > 15.0
 
 
 @pytest.mark.parametrize("sight", SIGHTS)
 def test_laws_with_the_same_dashes_differ_for_each_kind_of_sight(sight):
     assert len({look["color"] for look in LAW_LOOKS.values()}) == len(LAW_LOOKS)
-    for one, other in itertools.combinations(LAW_LOOKS.values(), 2):
-        if one.get("linestyle") == other.get("linestyle"):
-            for shown, apart in ((to_hex, 15.0), (Ground("black", "white").suited_colour, 12.0)):
-                first, second = (lab_colour(shown(look["color"]), SIGHTS[sight]) for look in (one, other))
-                assert np.linalg.norm(first - second) > apart
+    for law_look, other_look in itertools.combinations(LAW_LOOKS.values(), 2):
+        if law_look.get("linestyle") == other_look.get("linestyle"):
+            for drawn_colour, least_distance in (
+                (to_hex, 15.0),
+                (Ground("black", "white").suited_colour, 12.0),
+            ):
+                first, second = (
+                    lab_colour(drawn_colour(look["color"]), SIGHTS[sight]) for look in (law_look, other_look)
+                )
+                assert np.linalg.norm(first - second) > least_distance
 
 
 @pytest.mark.parametrize("conditions", ["", "4 links"])
@@ -97,7 +102,7 @@ LONG = [
 
 
 def single_line(page):
-    """Return the height of a line of conditions."""
+    """Return the height of a line of conditions [pixels]."""
     return page.text(0.0, 0.5, "K", fontsize="small").get_window_extent().height
 
 
@@ -124,12 +129,12 @@ def test_a_headline_and_its_conditions_fit_the_page(width):
     boxes = [text.get_window_extent() for text in (message, conditions)]
     for box in boxes:
         assert page.bbox.x0 <= box.x0 < box.x1 <= page.bbox.x1
-    below, above = boxes[1].y1, boxes[0].y0
+    top_of_conditions, bottom_of_message = boxes[1].y1, boxes[0].y0
     if width < 6.0:  # the conditions are at the bottom of a narrow page
-        assert below < axes.get_tightbbox().y0
+        assert top_of_conditions < axes.get_tightbbox().y0
     else:
         assert axes.get_tightbbox().y1 < boxes[1].y0
-        assert below < above
+        assert top_of_conditions < bottom_of_message
     assert boxes[1].height > 1.5 * single_line(page)
 
 

@@ -32,7 +32,7 @@ def test_a_picture_in_given_axes_is_whole_and_covers_no_neighbour(shape, size, o
         assert box.y0 >= 0.0
         assert box.x1 <= page.bbox.x1
         assert box.y1 <= page.bbox.y1
-    assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
+    assert not any(first.overlaps(second) for first, second in combinations(boxes, 2))
 
 
 def test_axes_with_room_stay_where_they_are():

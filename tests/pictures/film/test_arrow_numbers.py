@@ -36,11 +36,11 @@ def test_arrow_lengths_go_with_the_cube_root_of_the_force():
 def test_a_short_arrow_has_a_small_head():
     axes = Figure((4.0, 4.0), dpi=72).add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, 288.0), ylim=(0.0, 288.0))
     foot = np.array([9.0, 9.0])
-    short, whole = (
+    short_arrow, long_arrow = (
         arrow_between(axes, foot, foot + np.array([length, 0.0]), "red") for length in (7.0, 90.0)
     )
-    assert short.get_mutation_scale() == pytest.approx(0.5 * whole.get_mutation_scale())
-    assert short.get_linewidth() == pytest.approx(0.5 * whole.get_linewidth())
+    assert short_arrow.get_mutation_scale() == pytest.approx(0.5 * long_arrow.get_mutation_scale())
+    assert short_arrow.get_linewidth() == pytest.approx(0.5 * long_arrow.get_linewidth())
 
 
 def test_equal_forces_share_a_number():
@@ -56,11 +56,11 @@ def test_numbers_in_a_film_cover_no_body_and_no_other_number():
     is_unequal = (forces.min(axis=0) > 1.0) & (np.ptp(forces, axis=0) > 1.0)
     film = Film(figure, recording, recording.time[is_unequal][-1:])
     figure.draw_without_rendering()
-    drawn = list(film.show(0, 1.0))
+    artists = list(film.show(0, 1.0))
     (body,) = film.bodies.values()
     outline = body.get_window_extent()
     boxes = [
-        text.get_window_extent() for text in drawn if text in film.scene.texts and " N" in text.get_text()
+        text.get_window_extent() for text in artists if text in film.scene.texts and " N" in text.get_text()
     ]
     assert len(boxes) == 2
     assert not boxes[0].overlaps(boxes[1])
@@ -76,7 +76,7 @@ def test_numbers_in_a_film_may_stand_where_the_tip_comes_later():
         for column in () if goes_on else recording.columns.values():
             column[row:] = column[row]
         page = Film(Figure((8.0, 4.5), dpi=80), recording, recording.time[[row]])
-        drawn = list(page.show(0, 1.0))
-        (number,) = (text for text in page.scene.texts if text in drawn and text.get_text().endswith("N"))
+        artists = list(page.show(0, 1.0))
+        (number,) = (text for text in page.scene.texts if text in artists and text.get_text().endswith("N"))
         places.append(page.scene.transData.transform(number.get_position()))
     assert places[0] == pytest.approx(places[1], abs=2.0)  # the views of the two motions differ a little

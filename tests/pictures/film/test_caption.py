@@ -24,13 +24,13 @@ def test_a_film_names_the_last_impact_and_its_force_stands_beside_a_rail(number,
     figure.draw_without_rendering()
     list(page.show(0, 1.0))
     assert page.caption.text.get_text() == ""
-    drawn = list(page.show(1, 1.0))
-    told, hard = page.caption.text.get_text().split("\n")
-    assert told == f"impact {number} of 4: slider hits slider_{end}"
-    force, speed = re.fullmatch(r"peak force ([\d.]+) N, with ([\d.]+) m/s", hard).groups()
+    artists = list(page.show(1, 1.0))
+    impact_text, force_text = page.caption.text.get_text().split("\n")
+    assert impact_text == f"impact {number} of 4: slider hits slider_{end}"
+    force, speed = re.fullmatch(r"peak force ([\d.]+) N, with ([\d.]+) m/s", force_text).groups()
     assert float(force) == pytest.approx(impact["peak_force"], rel=5e-3)
     assert float(speed) == pytest.approx(impact["impact_speed"], rel=5e-3)
-    (box,) = (text.get_window_extent() for text in drawn if text in page.scene.texts)
+    (box,) = (text.get_window_extent() for text in artists if text in page.scene.texts)
     (_, y), *_ = page.scene.transData.transform(recording.rail.lines(recording.points[:, 0])[0])
     assert not box.y0 < y < box.y1
 
@@ -39,12 +39,12 @@ def test_the_caption_of_an_impact_stays_for_some_frames():
     recording = made.swing([made.impact_row(0.5, 1, "y_min", 1.0)], {"y_min": 0.0})
     recording.impacts["end"] = 0.5
     page = Film(Figure((8.0, 4.5), dpi=80), recording, np.linspace(0.0, 2.0, 201))
-    told, opacities = [], []
+    has_text, opacities = [], []
     for frame in range(200):
         list(page.show(frame, 1.0))
-        told.append(bool(page.caption.text.get_text()))
+        has_text.append(bool(page.caption.text.get_text()))
         opacities.append(page.caption.text.get_alpha())
-    frames = np.flatnonzero(told)
+    frames = np.flatnonzero(has_text)
     assert frames.tolist() == list(range(50, 51 + CAPTION_FRAMES))
     assert (np.diff(opacities[50 : 51 + CAPTION_FRAMES]) < 0.0).all(), "it becomes fainter"
     list(page.show(200, 1.0))
@@ -57,14 +57,14 @@ def test_the_caption_tells_an_impact_from_its_onset_on():
         [made.impact_row(t, 1, "y_min", 1e-3 if t == 1.5 else 1.0) for t in onsets], {"y_min": 0.0}
     )
     recording.impacts["end"] = recording.impacts["onset"] + 1e-3
-    shown = [0.49, 0.5, 0.519, 0.52, 0.99, 1.001, 1.49, 1.501]
-    page = Film(Figure((8.0, 4.5), dpi=80), recording, np.array([*shown, 2.0]))
-    told = []
-    for frame in range(len(shown)):
+    times = [0.49, 0.5, 0.519, 0.52, 0.99, 1.001, 1.49, 1.501]
+    page = Film(Figure((8.0, 4.5), dpi=80), recording, np.array([*times, 2.0]))
+    captions = []
+    for frame in range(len(times)):
         list(page.show(frame, 1.0))
-        told.append((page.caption.shown_number, page.caption.is_next))
-        assert page.caption.text.get_text().startswith("next: ") == told[-1][1]
-    assert told == [(k, is_next) for k in (1, 2, 3, 4) for is_next in (True, False)]
+        captions.append((page.caption.shown_number, page.caption.is_next))
+        assert page.caption.text.get_text().startswith("next: ") == captions[-1][1]
+    assert captions == [(k, is_next) for k in (1, 2, 3, 4) for is_next in (True, False)]
 
 
 def test_a_legend_of_many_rows_does_not_touch_the_caption_of_a_film():
@@ -79,8 +79,10 @@ def test_a_legend_of_many_rows_does_not_touch_the_caption_of_a_film():
         legend = page.cursors[0].axes.get_legend().get_window_extent()
         assert legend.y1 < page.caption.text.get_window_extent().y0
         assert legend.x1 <= figure.bbox.x1
-        least = min(text.get_fontsize() for text in figure.findobj(matplotlib.text.Text) if text.get_text())
-        assert least * dpi / 72.0 > 10.99  # pixels
+        smallest = min(
+            text.get_fontsize() for text in figure.findobj(matplotlib.text.Text) if text.get_text()
+        )
+        assert smallest * dpi / 72.0 > 10.99  # pixels
 
 
 @pytest.mark.parametrize(

@@ -34,10 +34,14 @@ def test_between_rows_the_trace_is_on_the_path(whirl, knows_velocities):
         columns = {name: column for name, column in stored.columns.items() if ".v" not in name}
         stored = replace(stored, columns=columns)
     times, path = trace_of(stored, 1.0)
-    true = np.stack([np.interp(times, fine.time, along) for along in fine.points[:, -1].T], axis=-1)
-    straight = np.stack([np.interp(times, coarse.time, along) for along in coarse.points[:, -1].T], axis=-1)
-    off, without = (np.hypot(*(one - true).T).max() for one in (path, straight))
-    assert off < without / (20.0 if knows_velocities else 3.0)
+    expected = np.stack(
+        [np.interp(times, fine.time, coordinates) for coordinates in fine.points[:, -1].T], axis=-1
+    )
+    straight = np.stack(
+        [np.interp(times, coarse.time, coordinates) for coordinates in coarse.points[:, -1].T], axis=-1
+    )
+    deviation, straight_deviation = (np.hypot(*(points - expected).T).max() for points in (path, straight))
+    assert deviation < straight_deviation / (20.0 if knows_velocities else 3.0)
     assert turns(path).max() < 0.5 * turns(coarse.points[:, -1]).max()
     np.testing.assert_array_equal(path[np.searchsorted(times, coarse.time)], coarse.points[:, -1])
 
@@ -54,11 +58,11 @@ def test_at_an_impact_the_trace_has_a_corner():
 def test_one_component_of_the_velocity_is_as_good_as_none():
     recording = simulate("bouncing_ball", output_step=0.05)
     stored = recording.with_rows(np.arange(len(recording.time)))
-    with_x, without = (
+    with_x, without_velocities = (
         replace(stored, columns={name: column for name, column in stored.columns.items() if end not in name})
         for end in (".vy", ".v")
     )
-    np.testing.assert_array_equal(trace_of(with_x, 1.0)[1], trace_of(without, 1.0)[1])
+    np.testing.assert_array_equal(trace_of(with_x, 1.0)[1], trace_of(without_velocities, 1.0)[1])
 
 
 def test_a_film_shows_it_up_to_the_present_tip():
@@ -68,8 +72,11 @@ def test_a_film_shows_it_up_to_the_present_tip():
     for frame in (0, 5, 12):
         list(film.show(frame, 1.0))
         pieces = np.array(film.trace.get_segments())
-        shown = np.append(pieces[:, 0], pieces[-1:, 1], axis=0)
-        np.testing.assert_array_equal(shown[-1], film.points[frame, -1])
-    assert len(shown) > 100  # of 13 frames
+        trace_points = np.append(pieces[:, 0], pieces[-1:, 1], axis=0)
+        np.testing.assert_array_equal(trace_points[-1], film.points[frame, -1])
+    assert len(trace_points) > 100  # the film has only 13 frames
     # smooth except at the two impacts
-    assert np.sort(turns(shown[np.append(True, np.hypot(*np.diff(shown, axis=0).T) > 1e-3)]))[-6] < 0.1
+    assert (
+        np.sort(turns(trace_points[np.append(True, np.hypot(*np.diff(trace_points, axis=0).T) > 1e-3)]))[-6]
+        < 0.1
+    )

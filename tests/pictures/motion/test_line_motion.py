@@ -22,17 +22,17 @@ def test_only_a_ball_that_moves_along_a_line_is_drawn_over_time(model):
 def test_all_panels_call_the_ball_a_ball():
     page, *_ = page_of(recorded("bouncing_ball"))
     names = {text.get_text() for axes in page.axes for text in axes.get_legend().get_texts()}
-    told = " ".join(text.get_text() for text in page.texts)
+    page_text = " ".join(text.get_text() for text in page.texts)
     assert "path of the ball" in names
-    assert "ball hits y_min" in told
-    assert not any("point 0" in text for text in (*names, told))
+    assert "ball hits y_min" in page_text
+    assert not any("point 0" in text for text in (*names, page_text))
 
 
 @pytest.mark.full("takes long")
 def test_the_place_of_the_ball_and_of_the_moving_table_are_curves():
     recording = recorded("bouncing_table")
     page = recording.plot(size=(WIDTHS[0], 6.5))
-    motion, *others = page.axes
+    motion, *other_panels = page.axes
     curves = {line.get_label(): line.get_xydata() for line in motion.lines}
     np.testing.assert_array_equal(
         curves["path of the ball"], np.stack([recording.time, recording["point[0].y"]], axis=1)
@@ -42,7 +42,7 @@ def test_the_place_of_the_ball_and_of_the_moving_table_are_curves():
     rings = curves["impacts"]
     np.testing.assert_array_equal(rings[:, 0], recording.impacts["onset"])
     np.testing.assert_allclose(rings[:, 1], np.interp(rings[:, 0], recording.time, table), atol=1e-15)
-    assert motion.get_xlim() == others[0].get_xlim()
+    assert motion.get_xlim() == other_panels[0].get_xlim()
     assert not motion.texts  # the numbers are at the same times in the panel of speeds
     assert [axes.get_label() for axes in page.axes] == ["motion", "energy", "impacts"]  # no colours of time
     check_texts(page)

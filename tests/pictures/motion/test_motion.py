@@ -46,7 +46,7 @@ from tests.pictures.pictures import (
 
 
 def poses(axes):
-    """Return the chains that are drawn strongly, as arrays (N+1, 2)."""
+    """Return the strongly drawn chains, as arrays (N + 1, 2) [m]."""
     return [np.array(line.get_xydata()) for line in axes.lines if line.get_zorder() == 4]
 
 
@@ -60,7 +60,7 @@ def ring_places(axes):
 
 
 def cases(*models):
-    """Return each model with the widths of a page of one column, of two, and of one between them."""
+    """Return pairs of a model and the width of a page [mm]: one column, one and a half, or two."""
     return [*itertools.product(models, (84, 120, 190))]
 
 
@@ -104,18 +104,18 @@ def test_strong_poses_are_start_end_and_those_of_strong_impacts_apart(model):
         np.testing.assert_array_equal(pose, recording.pose_at(time))
         impact = recording.impacts[recording.impacts["onset"] == time][0]
         place = recording.all_points[recording.row_at(time)][impact["point"]]
-        # the point touches the wall within its radius and its motion between two communication points
+        # the pose is that of the nearest row, so the point may be away from its wall by its motion in 1 ms
         gap = recording.wall_of(impact).clearance(*place) - recording.touching_radii[impact["point"]]
         assert abs(gap) < 1.1e-3 * impact["impact_speed"]
     if len(recording.impacts) > MOST_STRONG_POSES:
         assert times == [recording.impacts["onset"][marked_peaks(recording)[0].row]]
         return
-    kept, expected = [start, end], []
+    distinct, expected = [start, end], []
     for onset in recording.impacts["onset"][rows_by_speed(recording)]:
         pose = recording.pose_at(onset)
-        gap = min(np.hypot(*(pose - other).T).mean() for other in kept)
+        gap = min(np.hypot(*(pose - distinct_pose).T).mean() for distinct_pose in distinct)
         if onset == fastest or gap >= 0.1 * size_of_motion(recording.all_points):
-            kept.append(pose)
+            distinct.append(pose)
             expected.append(onset)
     assert times == sorted(expected)
 
@@ -137,8 +137,8 @@ def test_poses_have_entries_in_the_legend_and_are_few():
     labels = [text.get_text() for text in axes.get_legend().get_texts()]
     assert labels[:3] == ["chain between", "other points", "tip"]
     assert labels[3:] == ["at impact 1", "start", "end", "impacts", "peak force"]
-    (between,) = (lines for lines in axes.collections if lines.get_label() == "chain between")
-    assert 1 < len(between.get_segments()) <= FAINT_POSES
+    (faint_lines,) = (lines for lines in axes.collections if lines.get_label() == "chain between")
+    assert 1 < len(faint_lines.get_segments()) <= FAINT_POSES
 
 
 def test_a_pose_is_that_of_the_nearest_row_so_no_link_shrinks():
@@ -149,17 +149,17 @@ def test_a_pose_is_that_of_the_nearest_row_so_no_link_shrinks():
 def test_paths_of_all_points_are_drawn_that_of_the_tip_strongest():
     recording = recorded("four_link_box")
     motion = motion_of(recording)
-    _, others, tip = motion.collections
-    for point, path in enumerate(others.get_segments()):
+    _, point_paths, tip = motion.collections
+    for point, path in enumerate(point_paths.get_segments()):
         np.testing.assert_array_equal(path, recording.points[:, point])
     ends = np.array(tip.get_segments())
     np.testing.assert_array_equal(ends[:, 1], recording.points[1:, -1])
-    assert tip.get_linewidth()[0] > others.get_linewidth()[0]
-    assert others.get_alpha() < 0.5
+    assert tip.get_linewidth()[0] > point_paths.get_linewidth()[0]
+    assert point_paths.get_alpha() < 0.5
 
 
 def test_the_line_along_a_dense_path_is_thin():
-    """A shaken pendulum's tip passes side by side; a pendulum's tip passes along one arc many times."""
+    """The path of a shaken pendulum's tip fills an area; a simple pendulum's tip repeats one arc."""
     widths = {}
     for model in ("shaken_pendulum", "simple_pendulum"):
         lines = motion_of(recorded(model)).collections
@@ -180,9 +180,9 @@ def test_a_motion_that_marks_hide_is_told_and_has_no_path():
 
 
 def test_walls_that_are_not_reached_are_told_if_none_is_drawn():
-    for far, told in ((1.3, False), (3.0, True)):  # the rod has a length of 1 m
-        page = page_of(swing(walls={"y_max": far}))[0]
-        assert ("not reached: y_max" in [text.get_text() for text in page.texts]) == told
+    for height, has_note in ((1.3, False), (3.0, True)):  # the rod has a length of 1 m
+        page = page_of(swing(walls={"y_max": height}))[0]
+        assert ("not reached: y_max" in [text.get_text() for text in page.texts]) == has_note
 
 
 def test_a_chain_is_a_line_that_can_be_moved():
@@ -202,7 +202,7 @@ def test_impacts_are_ringed_where_the_point_was_and_numbered():
         impact_row(1.5, 0, "y_min", 1.0),
     ]
     s = np.sqrt(0.5)
-    # walls of the second model, a point with a radius of 0.1 m
+    # the point is 0.1 m away from y_max, as if it had this radius: the ring is on the wall
     walls = {"x_max": s, "y_max": 1.1, "y_min": 0.0}
     motion = motion_of(swing(impacts, walls, rows=2001))
     np.testing.assert_allclose(ring_places(motion), [[s, s], [0.0, 1.1], [0.0, 0.0]], atol=1e-6)
@@ -213,21 +213,21 @@ def test_impacts_are_ringed_where_the_point_was_and_numbered():
 @pytest.mark.parametrize("model", ["four_link_box", "arm_at_stop", "bouncing_ball"])
 def test_the_impact_with_the_largest_force_is_marked_in_both_panels(model):
     recording = recorded(model)
-    (most,) = peaks(recording)
+    (peak,) = peaks(recording)
     page = page_of(recording)[0]
     motion, speeds = (
         next(axes for axes in page.axes if axes.get_label() == name) for name in ("motion", "impacts")
     )
     (ring,) = (line for line in motion.lines if line.get_color() == PEAK_COLOUR)
-    assert ring.get_label() == most.name
-    assert most.name in [text.get_text() for text in motion.get_legend().get_texts()]
-    spot = recording.impact_position(recording.impacts[most.row])
+    assert ring.get_label() == peak.name
+    assert peak.name in [text.get_text() for text in motion.get_legend().get_texts()]
+    spot = recording.impact_position(recording.impacts[peak.row])
     if model != "bouncing_ball":
         np.testing.assert_allclose(ring.get_xydata()[0], spot)
     (mark,) = (line for line in speeds.lines if line.get_color() == PEAK_COLOUR)
-    assert mark.get_xdata() == [recording.impacts["onset"][most.row]]
-    (told,) = (text for text in speeds.texts if text.get_color() == PEAK_COLOUR)
-    assert told.get_text().replace("\n", " ") == f"#{most.row + 1}: {most.value}"
+    assert mark.get_xdata() == [recording.impacts["onset"][peak.row]]
+    (label,) = (text for text in speeds.texts if text.get_color() == PEAK_COLOUR)
+    assert label.get_text().replace("\n", " ") == f"#{peak.row + 1}: {peak.value}"
 
 
 @pytest.mark.full("takes long")
@@ -238,23 +238,23 @@ def test_impacts_at_one_place_share_a_ring():
     assert [" ".join(text.split()) for text in texts(motion)] == ["#3", "#1, 2"]
     motion = motion_of(swing(floor, walls))
     assert texts(motion) == ["#1–4"]
-    apart = [
+    alternating = [
         row
         for k in range(4)
         for row in (impact_row(0.2 + k / 5, 0, "y_min", 1.0 + k), impact_row(0.3 + k / 5, 1, "y_max", 9.0))
     ]
-    motion = motion_of(swing(apart, walls))
+    motion = motion_of(swing(alternating, walls))
     assert sorted(texts(motion)) == ["#1, 3, 5, 7", "#2", "#4", "#6", "#8"]
     many = [impact_row(0.2 + k / 10, k % 2, "y_max" if k % 2 else "y_min", 1.0 + (k == 4)) for k in range(14)]
-    told = [text.replace("\n", " ") for text in texts(motion_of(swing(many, walls)))]
-    assert told[0] in ("#1, 3 … 13", "#5 + 6 more")
+    labels = [text.replace("\n", " ") for text in texts(motion_of(swing(many, walls)))]
+    assert labels[0] in ("#1, 3 … 13", "#5 + 6 more")
 
 
 def told_count(text):
-    """Return how many impacts a label of a ring tells: "1, 3–5", "1, 3 … 9" or "2 + 14 more"."""
-    first, *others = re.split(r" \+ ?", text)
-    if others:
-        return 1 + int(others[0].removesuffix(" more"))
+    """Return the number of impacts in a label of a ring, such as "1, 3–5", "1, 3 … 9" or "2 + 14 more"."""
+    first, *rest_texts = re.split(r" \+ ?", text)
+    if rest_texts:
+        return 1 + int(rest_texts[0].removesuffix(" more"))
     if "…" in first:
         low, step, high = map(int, re.split(", | … ", first))
         return 1 + (high - low) // (step - low)
@@ -267,16 +267,16 @@ def told_count(text):
 def test_no_list_of_numbers_at_a_ring_is_silently_short(model):
     recording = recorded(model)
     motion = panel_of(page_of_width(model, 84), "motion")
-    told = [text.replace("\n", " ") for text in texts(motion)]
-    lists = [text.removeprefix("#") for text in told if text.startswith("#")]
+    labels = [text.replace("\n", " ") for text in texts(motion)]
+    lists = [text.removeprefix("#") for text in labels if text.startswith("#")]
     assert sum(map(told_count, lists)) == len(recording.impacts)
 
 
 def test_the_largest_joint_force_is_told_first():
     arm = simulate(load_scene("pinned_arm").with_values({"outputs.loads": True}))
     motion = panel_of(arm.plot(size=(84 / 25.4, None)), "motion")
-    told = [text.get_text() for text in motion.texts if text.get_color() == LOAD]
-    assert told[0].endswith(force_text(joint_peaks(arm)[0].force, "N"))
+    labels = [text.get_text() for text in motion.texts if text.get_color() == LOAD]
+    assert labels[0].endswith(force_text(joint_peaks(arm)[0].force, "N"))
 
 
 @pytest.mark.full("more cases", but=3)
@@ -317,9 +317,9 @@ def test_no_leader_passes_another_ring_or_crosses_a_chain_at_start_or_end(model,
         for place in places[np.hypot(*(places - start).T) > MARK_LENGTH * point]:
             assert distance(leader, place) > 0.5 * RING_SIZE * point, text.get_text()
         way = leader[1] - leader[0]
-        beyond = np.array([leader[0] + way * MARK_LENGTH * point / np.hypot(*way), leader[1]])
+        free_part = np.array([leader[0] + way * MARK_LENGTH * point / np.hypot(*way), leader[1]])
         for chain in chains:
-            assert not Path(chain).intersects_path(Path(beyond), filled=False), text.get_text()
+            assert not Path(chain).intersects_path(Path(free_part), filled=False), text.get_text()
 
 
 def test_a_joints_largest_force_is_an_arrow_at_its_place():
@@ -382,8 +382,8 @@ def test_other_chains_are_no_balls(model):
 
 
 def test_a_link_whose_centre_of_mass_is_beside_its_end_is_no_ball():
-    beside = load_scene("bouncing_ball").with_values({"link[1].center_of_mass_offset": 0.03})
-    assert ball_of(simulate(beside, stop_time=0.05)) is None
+    scene = load_scene("bouncing_ball").with_values({"link[1].center_of_mass_offset": 0.03})
+    assert ball_of(simulate(scene, stop_time=0.05)) is None
 
 
 def test_arcs_of_stops_and_poses_of_joint_forces_have_their_times():
@@ -391,23 +391,23 @@ def test_arcs_of_stops_and_poses_of_joint_forces_have_their_times():
     axes = leg.plot(panels=["motion"]).axes[0]
     (arcs,) = (lines for lines in axes.collections if lines.get_label() == "stops")
     pose = leg.pose_at(leg.impacts["onset"][0])
-    right = list(range_lines(pose, leg.stops))
-    assert all(np.allclose(*pair) for pair in zip(arcs.get_segments(), right, strict=True))
+    expected = list(range_lines(pose, leg.stops))
+    assert all(np.allclose(*pair) for pair in zip(arcs.get_segments(), expected, strict=True))
     arm = simulate("carried_arm")
     page = arm.plot(panels=["motion"])
     axes = page.axes[0]
-    largest, *others = joint_peaks(arm)
-    alone = Figure().subplots()
-    draw_loads(alone, arm, view_of(arm))
-    shown = [
+    largest_peak, *other_peaks = joint_peaks(arm)
+    load_axes = Figure().subplots()
+    draw_loads(load_axes, arm, view_of(arm))
+    load_poses = [
         [line.get_xydata() for line in panel.lines if line.get_color() == LOAD and len(line.get_xdata()) > 1]
-        for panel in (alone, axes)
+        for panel in (load_axes, axes)
     ]
-    assert [xy.tolist() for xy in shown[0]] == [arm.pose_at(largest.time).tolist()]
-    assert shown[1] == [], "the pose at the impact is like that of the largest force"
-    told = " ".join(text.get_text() for text in axes.texts)
-    assert all(f"joint {peak.joint}: {peak.force:.0f} N" in told for peak in others)
-    # beside the joint, or its name at the top where another place would lie on a line
-    assert f"{largest.force:.0f} N" in told
+    assert [xy.tolist() for xy in load_poses[0]] == [arm.pose_at(largest_peak.time).tolist()]
+    assert load_poses[1] == [], "the pose at the impact is like that of the largest force"
+    axes_text = " ".join(text.get_text() for text in axes.texts)
+    assert all(f"joint {peak.joint}: {peak.force:.0f} N" in axes_text for peak in other_peaks)
+    # the label of the largest force may lack the name of the joint beside which it stands
+    assert f"{largest_peak.force:.0f} N" in axes_text
     head = " ".join(text.get_text() for text in page.texts)
-    assert f"joint {largest.joint} bears up to {largest.force:.0f} N" in head
+    assert f"joint {largest_peak.joint} bears up to {largest_peak.force:.0f} N" in head

@@ -18,7 +18,7 @@ START, SPEED = 0.45, 0.3  # m, m/s: the wall moves from right to left
 
 @functools.cache
 def ram(box=START, way=None):
-    """Return a double pendulum that swings away from a wall, which follows it."""
+    """Return the run of a double pendulum that swings away from a wall; ``way(t)`` moves the wall [m]."""
     scene = scene_from_dict(
         {
             "name": "Ram",
@@ -34,13 +34,13 @@ def ram(box=START, way=None):
 
 
 def upright_lines(axes, x):
-    """Return the colours of lines from the bottom to the top of the axes at a place."""
-    found = []
+    """Return the colours of upright lines at x [m] that are longer than 0.5 m."""
+    colours = []
     for lines in axes.collections:
         for line, colour in zip(lines.get_segments(), lines.get_colors().repeat(99, axis=0), strict=False):
             if len(line) > 1 and np.abs(line[:, 0] - x).max() < 1e-9 and np.ptp(line[:, 1]) > 0.5:
-                found.append(to_hex(colour))
-    return found
+                colours.append(to_hex(colour))
+    return colours
 
 
 @pytest.mark.parametrize("row", [0, -1])
@@ -106,7 +106,7 @@ def test_a_wall_that_comes_from_far_is_in_view_where_it_starts():
 
 
 def marks(axes):
-    """Return the lines of ground marks: those of the support have four corners."""
+    """Return line and colour of each ground mark: the line of a support has four corners."""
     return [
         (line, to_hex(colour))
         for lines in axes.collections
@@ -125,7 +125,7 @@ def test_a_base_that_moves_has_its_mark_at_the_start_and_at_the_end():
     places = {(*line[0].round(9).tolist(), colour) for line, colour in marks(motion)}
     assert (0.0, 0.0, to_hex(shade(0.0))) in places
     assert (0.3, -0.1, to_hex(shade(1.0))) in places
-    assert len(places) > 5  # faint ones between
+    assert len(places) > 5  # there are faint marks between
     view = mpl.transforms.Bbox(np.transpose([motion.get_xlim(), motion.get_ylim()]))
     assert all(view.contains(*corner) for line, _ in marks(motion) for corner in line)
 

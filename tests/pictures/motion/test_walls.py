@@ -40,12 +40,14 @@ def test_every_wall_near_the_motion_is_a_line_at_its_place(model):
     motion = motion_of(recording)
     ends = wall_lines(motion)
     # test_moving_walls.py tests moving walls; the ends of a slider's line belong to the line
-    others = {*STOPS, *SLIDER_STOPS, *recording.moved_walls}
-    hit = {recording.wall_names[wall] for wall in recording.impacts["wall"]} - others
+    left_out = {*STOPS, *SLIDER_STOPS, *recording.moved_walls}
+    hit = {recording.wall_names[wall] for wall in recording.impacts["wall"]} - left_out
     assert len(hit) <= len(ends) <= len(recording.walls)
     for name in hit:
-        moved = recording.columns.get(f"wall.{name}.position", np.zeros(1))[-1]
-        gaps = [max(abs(recording.walls[name].clearance(*end) - moved) for end in line) for line in ends]
+        displacement = recording.columns.get(f"wall.{name}.position", np.zeros(1))[-1]
+        gaps = [
+            max(abs(recording.walls[name].clearance(*end) - displacement) for end in line) for line in ends
+        ]
         assert min(gaps) < 1e-12, name
 
 
@@ -60,9 +62,9 @@ def test_walls_end_where_they_meet():
         (value, axis) for axis, ends in enumerate((motion.get_xlim(), motion.get_ylim())) for value in ends
     ]
     ends = np.concatenate(wall_lines(motion))
-    met = np.abs(ends).max(axis=1) < 1e-12
-    assert met.sum() == 2
-    assert all(min(abs(end[axis] - value) for value, axis in view) < 1e-12 for end in ends[~met])
+    is_at_corner = np.abs(ends).max(axis=1) < 1e-12
+    assert is_at_corner.sum() == 2
+    assert all(min(abs(end[axis] - value) for value, axis in view) < 1e-12 for end in ends[~is_at_corner])
 
 
 def test_the_room_is_white_and_all_beyond_it_grey():
@@ -79,8 +81,8 @@ def test_the_room_is_white_and_all_beyond_it_grey():
     for place in random.uniform(
         (motion.get_xlim()[0], motion.get_ylim()[0]), (motion.get_xlim()[1], motion.get_ylim()[1]), (200, 2)
     ):
-        inside = min(wall.clearance(*place) for wall in recording.walls.values()) > 0.0
-        assert outline.contains_point(place) == inside
+        is_free = min(wall.clearance(*place) for wall in recording.walls.values()) > 0.0
+        assert outline.contains_point(place) == is_free
 
 
 def test_points_that_move_beyond_a_wall_are_in_view():
@@ -107,8 +109,8 @@ def test_a_wall_at_any_angle_is_seen_from_both_sides(angle):
 def test_a_pinned_base_stands_on_ground_in_view_and_a_free_one_does_not():
     def marks(model):
         motion = motion_of(recorded(model))
-        found = [lines for lines in motion.collections if lines.get_zorder() == 3]
-        return motion, [line for lines in found for line in lines.get_segments()]
+        mark_collections = [lines for lines in motion.collections if lines.get_zorder() == 3]
+        return motion, [line for lines in mark_collections for line in lines.get_segments()]
 
     assert marks("four_link_box")[1] == []
     motion, lines = marks("pinned_arm")
@@ -136,12 +138,12 @@ def test_a_flat_motion_has_the_height_of_its_axes():
     assert 0.5 * np.ptp(motion.get_ylim()) < reach < np.ptp(motion.get_ylim())
     box = motion.get_window_extent()
     zoom = box.height / np.ptp(motion.get_ylim()) / (box.width / np.ptp(motion.get_xlim()))
-    told = float(motion.get_ylabel().partition("enlarged ")[2].removesuffix(" times"))
-    assert told == pytest.approx(zoom, rel=0.1)
+    factor = float(motion.get_ylabel().partition("enlarged ")[2].removesuffix(" times"))
+    assert factor == pytest.approx(zoom, rel=0.1)
     (low, high), ticks = motion.get_ylim(), motion.yaxis.get_major_ticks()
-    told = [(tick.get_loc(), tick.label1.get_text().replace("−", "-")) for tick in ticks]
+    labels = [(tick.get_loc(), tick.label1.get_text().replace("−", "-")) for tick in ticks]
     assert "[mm]" in motion.get_ylabel()
-    assert all(float(text) == pytest.approx(1e3 * at) for at, text in told if low <= at <= high)
+    assert all(float(text) == pytest.approx(1e3 * at) for at, text in labels if low <= at <= high)
 
 
 @pytest.mark.full("takes long")
@@ -151,8 +153,8 @@ def test_no_large_part_of_the_axes_is_empty(model):
     for page in (page_of(recording)[0], page_of_width(model, 84)):
         motion = panel_of(page, "motion")
         places = recording.all_points.reshape(-1, 2)
-        for along, limits in enumerate((motion.get_xlim(), motion.get_ylim())):
-            reach = places[:, along]
+        for axis, limits in enumerate((motion.get_xlim(), motion.get_ylim())):
+            reach = places[:, axis]
             empty = max(reach.min() - limits[0], limits[1] - reach.max())
             assert empty < 0.3 * np.ptp(limits)
 
@@ -164,8 +166,8 @@ def test_the_view_of_a_narrow_picture_is_not_much_wider_than_the_motion(model):
     motion = panel_of(page, "motion")
     places = recorded(model).points[..., 0]
     left, right = motion.get_xlim()
-    beside = [places.min() - left, right - places.max()]
-    assert min(beside) > 0.0
-    assert max(beside) < 0.26 * (right - left)
+    margins = [places.min() - left, right - places.max()]
+    assert min(margins) > 0.0
+    assert max(margins) < 0.26 * (right - left)
     page.draw_without_rendering()
     assert motion.get_window_extent().height > 0.3 * page.bbox.height

@@ -35,8 +35,8 @@ def test_bars_stand_where_a_joint_sticks_and_lines_where_it_slides(recording):
         assert bar.get_x() == phase["start"]
         end = recording.time[-1] if np.isnan(phase["end"]) else phase["end"]
         assert bar.get_x() + bar.get_width() == pytest.approx(end)
-        wide = bar.get_height() > 0.2
-        assert wide == (phase["mode"] == 0)
+        is_wide = bar.get_height() > 0.2
+        assert is_wide == (phase["mode"] == 0)
     assert [text.get_text() for text in strip.get_legend().get_texts()] == ["sticks", "slides"]
     assert INK != GREY
 
@@ -49,8 +49,8 @@ def test_the_names_of_rows_stay_clear_of_the_bars_of_other_rows(model):
     strip = panel_of(page, "friction")
     names = [label.get_window_extent() for label in strip.get_yticklabels()]
     bars = [bar.get_window_extent() for bars in strip.containers for bar in bars]
-    least = page.dpi / 72.0  # 1 point
-    assert not any(name.padded(least).overlaps(bar) for name in names for bar in bars)
+    margin = page.dpi / 72.0  # 1 point
+    assert not any(name.padded(margin).overlaps(bar) for name in names for bar in bars)
     assert max(name.x1 for name in names) < strip.bbox.x0
 
 
@@ -67,18 +67,18 @@ def test_the_places_that_rub_for_longest_are_shown(recording):
     rows = [(k, -1, 0.0, 0.1 * k + 0.01, 1) for k in range(1, MOST_ROWS + 4)]
     many.__dict__["stick_slip"] = np.array(rows, many.stick_slip.dtype)
     (strip,) = many.plot(panels="friction").axes
-    shown = {label.get_text() for label in strip.get_yticklabels()}
-    assert shown == {f"joint {k}" for k in range(4, MOST_ROWS + 4)}
+    names = {label.get_text() for label in strip.get_yticklabels()}
+    assert names == {f"joint {k}" for k in range(4, MOST_ROWS + 4)}
 
 
 @pytest.mark.full("takes long")
 def test_a_square_stands_where_something_sticks_at_the_end():
-    found = simulate(sled(), output_step=0.05)
-    motion = page_of(found)[1]
+    result = simulate(sled(), output_step=0.05)
+    motion = page_of(result)[1]
     (squares,) = [line for line in motion.lines if line.get_label() == "sticks at the end"]
-    ends = [found.columns[f"point[{k}].x"][-1] for k in (0, 1)]
+    ends = [result.columns[f"point[{k}].x"][-1] for k in (0, 1)]
     np.testing.assert_allclose(squares.get_xdata(), ends, atol=1e-3)
-    wall = found.walls["slope"]
+    wall = result.walls["slope"]
     assert all(abs(wall.clearance(x, y)) < 1e-12 for x, y in squares.get_xydata())
     joints = page_of(simulate(pendulum(), output_step=0.05))[1]
     (squares,) = [line for line in joints.lines if line.get_label() == "sticks at the end"]
@@ -89,8 +89,8 @@ def test_energies_have_that_of_friction_as_a_part(recording):
     (energy,) = recording.plot(panels="energy").axes
     # nothing but friction dissipates energy here
     (line,) = [line for line in energy.lines if line.get_label() == "dissipated = friction loss"]
-    lost = recording.columns["energy.friction"]
-    np.testing.assert_allclose(line.get_ydata(), lost, atol=5e-3 * np.ptp(lost))
+    friction_loss = recording.columns["energy.friction"]
+    np.testing.assert_allclose(line.get_ydata(), friction_loss, atol=5e-3 * np.ptp(friction_loss))
     assert "friction loss" in [look["label"] for _, look in energy_curves(recorded("thrown_brick"))]
     assert "friction loss" not in [look["label"] for _, look in energy_curves(recorded("rod_drop"))]
 
@@ -100,7 +100,7 @@ def test_the_conditions_tell_the_coefficients(recording):
     of_wall = conditions(simulate(thrown(), 0.01))
     assert "joint friction ≤ 0.2 N·m" in of_wall
     assert "friction µ = 0.35 at y_min" in of_wall
-    both = sled(**{"contact.static_friction": 0.6, "wall.slope.static_friction": 0.7})
-    told = conditions(simulate(both, 0.01))
-    assert "friction µ = 0.5, static 0.6, static 0.7 at slope" in told.split(SEPARATOR)
+    scene = sled(**{"contact.static_friction": 0.6, "wall.slope.static_friction": 0.7})
+    text = conditions(simulate(scene, 0.01))
+    assert "friction µ = 0.5, static 0.6, static 0.7 at slope" in text.split(SEPARATOR)
     assert "friction" not in conditions(recorded("rod_drop"))

@@ -53,12 +53,15 @@ def test_a_gap_of_energy_is_closed_and_reported():
 
 
 @pytest.mark.parametrize(
-    ("least", "text"), [(-150.0, "+ 150 J"), (1234.0, "− 1200 J"), (-0.0217, "+ 0.022 J")]
+    ("lowest", "text"), [(-150.0, "+ 150 J"), (1234.0, "− 1200 J"), (-0.0217, "+ 0.022 J")]
 )
-def test_the_shift_of_an_energy_is_told_in_plain_digits(least, text):
-    potential, kinetic = least + np.linspace(0.0, 0.1 * abs(least), 5), np.linspace(0.0, 1e-2 * abs(least), 5)
-    shown, offset = without_gap({"potential": potential, "kinetic": kinetic})
-    assert shown["potential"] == pytest.approx(potential + offset)
+def test_the_shift_of_an_energy_is_told_in_plain_digits(lowest, text):
+    potential, kinetic = (
+        lowest + np.linspace(0.0, 0.1 * abs(lowest), 5),
+        np.linspace(0.0, 1e-2 * abs(lowest), 5),
+    )
+    shifted, offset = without_gap({"potential": potential, "kinetic": kinetic})
+    assert shifted["potential"] == pytest.approx(potential + offset)
     assert energy_look("potential", offset)["label"] == f"potential {text}"
 
 
@@ -84,7 +87,7 @@ def test_a_supplied_energy_that_is_the_dissipated_one_has_no_curve():
 @pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("width", [84, 190])
 def test_marks_at_impacts_have_an_entry_in_the_legend(width):
-    """Without room for the entry, the panel of impacts below tells the times."""
+    """A narrow page has neither the marks nor the entry; its panel of impacts tells the times."""
     energy = panel_of(page_of_width("four_link_box", width), "energy")
     has_entry = "impacts" in [text.get_text() for text in energy.get_legend().get_texts()]
     has_marks = any(isinstance(item, LineCollection) for item in energy.collections)

@@ -42,9 +42,9 @@ from tests.pictures.pictures import (
 
 def numbers(axes):
     """Return the numbers of impacts in the axes, without the names of contacts at their left."""
-    found = [text.get_text() for text in axes.texts if text.get_gid() != LANE]
-    assert all(text.startswith(NUMBER_SIGN) for text in found)
-    return [text.removeprefix(NUMBER_SIGN) for text in found]
+    labels = [text.get_text() for text in axes.texts if text.get_gid() != LANE]
+    assert all(text.startswith(NUMBER_SIGN) for text in labels)
+    return [text.removeprefix(NUMBER_SIGN) for text in labels]
 
 
 def strengths(recording):
@@ -77,16 +77,16 @@ def test_every_impact_is_in_the_picture(model):
     assert [path[0, 0] for path in lines.get_segments()] == recording.impacts["onset"].tolist()
 
 
-@pytest.mark.parametrize(("model", "told"), [("sliding_rod", True), ("rod_drop", False)])
-def test_the_legend_says_that_impacts_stand_at_their_peaks(model, told):
+@pytest.mark.parametrize(("model", "is_late"), [("sliding_rod", True), ("rod_drop", False)])
+def test_the_legend_says_that_impacts_stand_at_their_peaks(model, is_late):
     recording = recorded(model)
     late = impacts_at_peaks(recording)["onset"] - recording.impacts["onset"]
-    assert (late.max() > 0.1) == told
+    assert (late.max() > 0.1) == is_late
     texts = [text.get_text() for text in recording.plot(panels="impacts").axes[0].get_legend().get_texts()]
-    assert ("impact, at its peak force" in texts) == told
+    assert ("impact, at its peak force" in texts) == is_late
     page = recording.plot(panels=["energy", "impacts"], size=(84 / 25.4, 4.0))
     foot = " ".join(text.get_text() for text in page.texts).replace("\n", " ")
-    assert ("lines below marks: impact, at its peak force" in foot) == told
+    assert ("lines below marks: impact, at its peak force" in foot) == is_late
 
 
 @pytest.mark.full("more cases", but=["arm_at_stop", "bouncing_ball"])
@@ -114,11 +114,11 @@ def test_no_mark_of_another_impact_is_nearer_to_a_number_than_its_own(model, wid
     assert labels
     for text in labels:
         box, row = text.get_window_extent(), int(re.split("[#,–: ]", text.get_text())[1]) - 1
-        own = next(rows for rows in shared if row in rows)
+        own_rows = next(rows for rows in shared if row in rows)
         middle = 0.5 * (box.min + box.max)
         for low, high in ((middle, middle), (box.min, box.max)):
             gaps = np.hypot(*(marks - np.clip(marks, low, high)).T)
-            assert gaps[own].min() < gaps.min() + 0.1, text.get_text()  # pixels
+            assert gaps[own_rows].min() < gaps.min() + 0.1, text.get_text()  # pixels
 
 
 @pytest.mark.full("takes long")
@@ -135,10 +135,11 @@ def test_impacts_of_two_points_with_a_common_mark_share_a_number():
         if line.get_marker() in places and 1.0 in line.get_xdata():
             at = line.get_xydata()[list(line.get_xdata()).index(1.0)]
             places[line.get_marker()].add(round(float(line.get_transform().transform(at)[0])))
-    below, above = places.values()
-    (seen,) = above
-    assert seen in below  # the mark above covers this one
-    assert 2.0 < (seen - min(below)) * 72.0 / speeds.figure.dpi < 5.0  # points to a copy at the left
+    lower_places, upper_places = places.values()
+    (upper_place,) = upper_places
+    assert upper_place in lower_places  # the mark above covers this one
+    # points to a copy at the left
+    assert 2.0 < (upper_place - min(lower_places)) * 72.0 / speeds.figure.dpi < 5.0
 
 
 def test_the_hardest_impacts_are_numbered_first():
@@ -149,11 +150,11 @@ def test_the_hardest_impacts_are_numbered_first():
 
 def test_of_many_impacts_the_largest_and_the_last_are_numbered():
     impacts = [impact_row(1.0 + 1e-3 * k, 1, "y_max", 5.0 - 0.04 * k) for k in range(100)]
-    impacts[50] = impact_row(1.0455, 1, "y_max", 3.0)  # the distances in time are not equal
+    impacts[50] = impact_row(1.0505, 1, "y_max", 3.0)  # the distances in time are not equal
     *_, speeds = page_of(swing(impacts, {"y_max": 1.0}))
-    *largest, last = map(int, numbers(speeds))
-    assert largest == [*range(1, len(largest) + 1)]
-    assert last == 100
+    *first_numbers, last_number = map(int, numbers(speeds))
+    assert first_numbers == [*range(1, len(first_numbers) + 1)]
+    assert last_number == 100
 
 
 @pytest.mark.full("takes long")
@@ -179,21 +180,21 @@ def test_points_have_marks_of_their_own_without_the_colours_of_energies():
     assert len({*forms}) == len(forms)  # points and joints differ, too
     recording = recorded("thrown_brick")
     (speeds,) = recording.plot(panels="impacts").axes
-    named = {line.get_label(): line.get_marker() for line in speeds.lines if line.get_label()[0] != "_"}
-    assert len({*named.values()}) == len(named) == len({row["point"] for row in recording.impacts})
+    markers = {line.get_label(): line.get_marker() for line in speeds.lines if line.get_label()[0] != "_"}
+    assert len({*markers.values()}) == len(markers) == len({row["point"] for row in recording.impacts})
 
 
 def test_many_points_are_not_told_apart():
     hits = [impact_row(0.1 * k, k, "y_min", float(k)) for k in range(15)]
-    many, less = (swing(some, {"y_min": 0.0}) for some in (hits, hits[:3]))
+    many, less = (swing(impacts, {"y_min": 0.0}) for impacts in (hits, hits[:3]))
     groups = point_groups(many, marks_of(many)[1])
     names = [name for name, _, _ in groups]
     assert names == ["others", *(f"point {k}" for k in range(15 - MOST_OWN_MARKS + 1, 15))]
     assert groups[0][1]["color"] == GREY
     assert len({(mark["marker"], mark["color"]) for _, mark, _ in groups}) == len(groups)
-    assert sorted(np.concatenate([found for _, _, found in groups])) == list(range(15))
-    few = point_groups(less, marks_of(less)[1])
-    assert [name for name, _, _ in few] == ["point 0", "point 1", "point 2"]
+    assert sorted(np.concatenate([rows for _, _, rows in groups])) == list(range(15))
+    few_groups = point_groups(less, marks_of(less)[1])
+    assert [name for name, _, _ in few_groups] == ["point 0", "point 1", "point 2"]
 
 
 def test_without_impacts_the_panel_says_so():

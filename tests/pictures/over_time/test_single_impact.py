@@ -13,9 +13,9 @@ def test_a_single_impact_has_its_force_over_its_time():
     (impact,) = recording.impacts
     panels = {axes.get_label(): axes for axes in recording.plot().axes}
     assert "impacts" not in panels
-    along, force = panels["impact"].lines[0].get_data()
+    times, force = panels["impact"].lines[0].get_data()
     assert 1e3 * force.max() == pytest.approx(impact["peak_force"], rel=1e-3)  # the axis has kN and ms
-    assert along[-1] == pytest.approx(1e3 * impact["duration"])
+    assert times[-1] == pytest.approx(1e3 * impact["duration"])
     assert (
         f"lasts {1e3 * impact['duration']:.2f} ms" in panels["impact"].get_legend().get_texts()[0].get_text()
     )
@@ -39,8 +39,8 @@ def test_the_panels_that_are_asked_for_are_drawn():
     assert [axes.get_label() for axes in recorded("pinned_arm").plot(panels="impacts").axes] == ["impacts"]
     panels = {axes.get_label() for axes in recorded("four_link_box").plot(panels=["impact", "energy"]).axes}
     assert panels == {"impact", "energy"}
-    (only,) = recorded("pinned_arm").plot(panels="impact").axes
-    assert only.lines
+    (panel,) = recorded("pinned_arm").plot(panels="impact").axes
+    assert panel.lines
 
 
 def test_rows_replace_a_run_that_cannot_be_repeated():
@@ -49,8 +49,8 @@ def test_rows_replace_a_run_that_cannot_be_repeated():
     row, time, force = course_of_hardest(rows)
     assert (row, len(time) >= 20) == (0, True)
     assert force.max() == pytest.approx(rows.impacts["peak_force"][0], rel=1e-2)
-    few = slow.with_rows(np.arange(0, len(slow.time), 50))
-    assert not is_alone(few)
+    sparse = slow.with_rows(np.arange(0, len(slow.time), 50))
+    assert not is_alone(sparse)
 
 
 def test_several_impacts_are_drawn_over_the_time_of_the_run():

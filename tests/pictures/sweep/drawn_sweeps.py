@@ -14,17 +14,17 @@ SCENE = load_scene("four_link_box").with_values({"simulation.stop_time": 0.6, "s
 TEN = [law for law in CONTACT_LAWS if law not in ("kelvin_voigt", "newton_impact", "ye")][:10]
 
 
-def sweep_page(found):
-    shown_quantities = shown_quantities_of(found)
+def sweep_page(runs):
+    shown_quantities = shown_quantities_of(runs)
     page = Figure(
-        figsize=usual_size(found.design, len(shown_quantities.drawn_quantities)), layout="constrained"
+        figsize=usual_size(runs.design, len(shown_quantities.drawn_quantities)), layout="constrained"
     )
-    draw_sweep(page, found, shown_quantities, partial(headline_and_conditions, found, shown_quantities))
+    draw_sweep(page, runs, shown_quantities, partial(headline_and_conditions, runs, shown_quantities))
     page.draw_without_rendering()
     return page
 
 
 def labels_of(page):
-    """Return the headings of the panels in one line each, without how little their values differ."""
+    """Return the heading of each panel in one line, without the note on how little its values vary."""
     titles = [axes.get_title().replace("\n", " ") for axes in page.axes if axes.get_title()]
     return [title.partition(", varies")[0] for title in titles]

@@ -21,18 +21,21 @@ LAWS = ("flores", "hunt_crossley")
 
 
 def test_lines_are_the_columns():
-    found = sweep(SCENE, {"contact.restitution": "0.8,0.4,0.0", "contact.model": "flores,hertz"})
-    page = sweep_page(found)
-    quantities = shown_quantities_of(found).all_quantities
-    assert [label.partition(",")[0] for label in labels_of(page)] == [each.label for each in quantities]
+    runs = sweep(SCENE, {"contact.restitution": "0.8,0.4,0.0", "contact.model": "flores,hertz"})
+    page = sweep_page(runs)
+    quantities = shown_quantities_of(runs).all_quantities
+    assert [label.partition(",")[0] for label in labels_of(page)] == [
+        quantity.label for quantity in quantities
+    ]
     for axes, quantity in zip(page.axes, quantities, strict=True):
         assert [line.get_marker() for line in axes.lines[:2]] == ["o", "s"]  # in all panels
         for line, law in zip(axes.lines, ("flores", "hertz"), strict=False):
-            rows = found.table[found["contact.model"] == law][::-1]
+            rows = runs.table[runs["contact.model"] == law][::-1]
             values = np.where(rows["status"] == "ok", quantity.factor * rows[quantity.column], np.nan)
-            known = ~np.isnan(line.get_xdata())  # not a gap between runs with different numbers of impacts
-            assert np.array_equal(line.get_xdata()[known], rows["contact.restitution"])
-            assert np.array_equal(line.get_ydata()[known], values, equal_nan=True)
+            # other rows are gaps between runs with different numbers of impacts
+            is_run = ~np.isnan(line.get_xdata())
+            assert np.array_equal(line.get_xdata()[is_run], rows["contact.restitution"])
+            assert np.array_equal(line.get_ydata()[is_run], values, equal_nan=True)
         assert axes.lines[2].get_xdata().tolist() == [0.0]  # the cross: flores with e = 0
     assert "1 failed (×: restitution not allowed)" in page.get_suptitle()
     labels = [text.get_text() for text in page.legends[0].get_texts()]
@@ -41,17 +44,17 @@ def test_lines_are_the_columns():
 
 def test_lines_have_gaps_at_new_counts_and_hidden_marks_have_rings():
     points = np.array([np.arange(4.0), np.arange(4.0)])
-    values, shown = broken_line(points, np.array([True, False, True]))
+    values, heights = broken_line(points, np.array([True, False, True]))
     assert np.array_equal(values, [0.0, 1.0, np.nan, 2.0, 3.0], equal_nan=True)
-    assert np.array_equal(values, shown, equal_nan=True)
-    found = sweep(SCENE, {"contact.restitution": "0.3,0.5,0.7", "contact.model": "flores,hunt_crossley"})
-    page = sweep_page(found)
+    assert np.array_equal(values, heights, equal_nan=True)
+    runs = sweep(SCENE, {"contact.restitution": "0.3,0.5,0.7", "contact.model": "flores,hunt_crossley"})
+    page = sweep_page(runs)
     axes = page.axes[2]
     assert axes.get_title() == "impacts"
-    for line in axes.lines[:2]:  # there are no 1.5 impacts
+    for line in axes.lines[:2]:  # a joining line would show 1.5 impacts
         steps = np.diff(line.get_ydata())
         assert not steps[np.isfinite(steps)].any()
-    flores, hunt_crossley = (found["impact.count"][found["contact.model"] == law] for law in LAWS)
+    flores, hunt_crossley = (runs["impact.count"][runs["contact.model"] == law] for law in LAWS)
     rings = [line for line in axes.lines if line.get_markerfacecolor() == "none" and len(line.get_xdata())]
     ringed = {float(x) for line in rings for x in line.get_xdata()}
     assert ringed == {e for e, a, b in zip((0.3, 0.5, 0.7), flores, hunt_crossley, strict=True) if a == b}
@@ -77,7 +80,7 @@ def test_few_joined_points_are_no_lines_but_smooth_peaks_are():
 
 
 @pytest.mark.parametrize(
-    ("results", "told"),
+    ("results", "expected"),
     [
         ([1.0, 2.0, np.nan, 3.0], "rises with e"),
         ([3.0, 2.0, 1.5, 1.0], "falls with e"),
@@ -88,8 +91,8 @@ def test_few_joined_points_are_no_lines_but_smooth_peaks_are():
         ([2.0, np.nan, np.nan, 1.0], ""),
     ],
 )
-def test_the_course_of_a_result_is_told(results, told):
-    assert course_text(np.array([0.1, 0.2, 0.3, 0.4]), np.array(results), "e") == told
+def test_the_course_of_a_result_is_told(results, expected):
+    assert course_text(np.array([0.1, 0.2, 0.3, 0.4]), np.array(results), "e") == expected
 
 
 @pytest.mark.full("takes long")
@@ -122,36 +125,36 @@ def test_a_law_of_which_every_run_failed_is_named_so():
 
 def test_the_colours_differ_and_can_be_seen_on_white():
     assert all(contrast("white", colour) >= 3.0 for colour in LINE_COLOURS)
-    for one, other in itertools.combinations(LINE_COLOURS, 2):
-        assert np.linalg.norm(lab_colour(one) - lab_colour(other)) > 25.0
+    for first, second in itertools.combinations(LINE_COLOURS, 2):
+        assert np.linalg.norm(lab_colour(first) - lab_colour(second)) > 25.0
 
 
 @pytest.mark.full("takes long")
 def test_ten_laws_have_ten_looks_and_more_laws_a_map():
     assert len(set(LINE_COLOURS)) == len(LINE_COLOURS) == 10
-    found = sweep(SCENE, {"contact.restitution": "0.2:0.8:4", "contact.model": TEN})
-    lines = [line for line in sweep_page(found).axes[0].lines if line.get_label()[:1] != "_"]
+    runs = sweep(SCENE, {"contact.restitution": "0.2:0.8:4", "contact.model": TEN})
+    lines = [line for line in sweep_page(runs).axes[0].lines if line.get_label()[:1] != "_"]
     assert len({(line.get_color(), line.get_linestyle()) for line in lines}) == len(lines) == 10
-    more = sweep(SCENE, {"contact.restitution": "0.2:0.8:4", "contact.model": list(CONTACT_LAWS)})
-    assert sweep_page(more).axes[0].collections  # a map
+    more_runs = sweep(SCENE, {"contact.restitution": "0.2:0.8:4", "contact.model": list(CONTACT_LAWS)})
+    assert sweep_page(more_runs).axes[0].collections  # a map
 
 
 def test_two_numbers_of_which_one_has_few_values_are_lines():
-    found = sweep(SCENE, {"contact.stiffness": "1e7,1e8", "contact.restitution": "0.4:0.8:4"})
-    page = sweep_page(found)
+    runs = sweep(SCENE, {"contact.stiffness": "1e7,1e8", "contact.restitution": "0.4:0.8:4"})
+    page = sweep_page(runs)
     lines = {line.get_label(): line.get_xydata() for line in page.axes[0].lines}
     for value in (1e7, 1e8):
-        rows = found["contact.stiffness"] == value
-        expected = np.stack([found["contact.restitution"], 1e-3 * found["peak_force"]], axis=1)[rows]
-        known = ~np.isnan(lines[number_text(value)][:, 0])
-        np.testing.assert_allclose(lines[number_text(value)][known], expected)
+        rows = runs["contact.stiffness"] == value
+        expected = np.stack([runs["contact.restitution"], 1e-3 * runs["peak_force"]], axis=1)[rows]
+        is_run = ~np.isnan(lines[number_text(value)][:, 0])
+        np.testing.assert_allclose(lines[number_text(value)][is_run], expected)
 
 
 def test_samples_of_one_number_are_points():
-    found = sweep(SCENE, {"contact.restitution": "0.3:0.9"}, samples=5)
-    line, _ = sweep_page(found).axes[0].lines  # and the line at the scene's own value
+    runs = sweep(SCENE, {"contact.restitution": "0.3:0.9"}, samples=5)
+    line, _ = sweep_page(runs).axes[0].lines  # the second line is at the value of the scene
     assert line.get_linestyle() == "None"
-    assert np.array_equal(line.get_xdata(), np.sort(found["contact.restitution"]))
+    assert np.array_equal(line.get_xdata(), np.sort(runs["contact.restitution"]))
 
 
 def test_laws_with_equal_results_share_a_line_and_merging_lines_are_dashed():
@@ -161,8 +164,8 @@ def test_laws_with_equal_results_share_a_line_and_merging_lines_are_dashed():
     close = sweep_page(
         sweep(SCENE, {"contact.stiffness": "1e8,1.0000001e8", "contact.restitution": "0.3:0.7:5"})
     )
-    whole, dashed = (line.get_linestyle() for line in close.axes[0].lines[:2])
-    assert (whole, dashed) == ("-", "--")
+    first_style, second_style = (line.get_linestyle() for line in close.axes[0].lines[:2])
+    assert (first_style, second_style) == ("-", "--")
 
 
 @pytest.mark.full("takes long")
@@ -177,25 +180,27 @@ def test_repeated_values_are_drawn_once_and_close_ones_named_apart():
 
 
 def test_lines_with_many_points_have_marks_at_different_places():
-    found = sweep(SCENE, {"contact.restitution": "0.5:0.8:31", "contact.model": "flores,hertz,ye"})
-    for axes in sweep_page(found).axes[:2]:
+    runs = sweep(SCENE, {"contact.restitution": "0.5:0.8:31", "contact.model": "flores,hertz,ye"})
+    for axes in sweep_page(runs).axes[:2]:
         marks = [line for line in axes.lines if line.get_linestyle() == "None" and len(line.get_xdata())]
         assert all(line.get_markerfacecolor() != "none" for line in marks), "rings"
         places = [{x for x, y in line.get_xydata().tolist() if np.isfinite(y)} for line in marks]
         assert len(places) == 2  # flores and ye share a line
-        assert all(2 <= len(each) <= 8 for each in places)
+        assert all(2 <= len(positions) <= 8 for positions in places)
         assert not places[0] & places[1]
 
 
 def test_a_point_that_no_line_joins_has_a_mark():
-    found = sweep(SCENE, {"contact.restitution": "0.05:0.4:15"})
-    axes = next(axes for axes in sweep_page(found).axes if axes.get_title() == "impacts")
-    counts = found["impact.count"]
-    alone = [k for k in range(15) if counts[k] not in (*counts[max(k - 1, 0) : k], *counts[k + 1 : k + 2])]
-    assert alone
+    runs = sweep(SCENE, {"contact.restitution": "0.05:0.4:15"})
+    axes = next(axes for axes in sweep_page(runs).axes if axes.get_title() == "impacts")
+    counts = runs["impact.count"]
+    lone_rows = [
+        k for k in range(15) if counts[k] not in (*counts[max(k - 1, 0) : k], *counts[k + 1 : k + 2])
+    ]
+    assert lone_rows
     (marks,) = [line for line in axes.lines if line.get_linestyle() == "None" and len(line.get_xdata()) > 1]
     places = [x for x, y in marks.get_xydata().tolist() if np.isfinite(y)]
-    assert places == pytest.approx(found["contact.restitution"][alone])
+    assert places == pytest.approx(runs["contact.restitution"][lone_rows])
     assert marks.get_markersize() == MARK_SIZE
 
 
@@ -208,7 +213,7 @@ def test_an_axis_of_counts_has_three_whole_numbers(counts):
 
 
 def test_a_parameter_without_an_effect_is_told():
-    found = sweep(load_scene("bouncing_ball"), {"contact.stiffness": "1e6:1e9:4:log"})
-    assert sweep_page(found).get_suptitle().replace("\n", " ") == (
+    runs = sweep(load_scene("bouncing_ball"), {"contact.stiffness": "1e6:1e9:4:log"})
+    assert sweep_page(runs).get_suptitle().replace("\n", " ") == (
         "BouncingBall: stiffness changes none of the results"
     )

@@ -22,32 +22,30 @@ from tests.pictures.sweep.drawn_sweeps import SCENE, sweep_page
 def test_samples_of_several_parameters_are_histograms():
     """Each bar has the number of runs in it, and the legend the median."""
     vary = {"contact.restitution": "0.3:0.9", "contact.stiffness": "1e7:1e9:log", "initial.vx": "0:1"}
-    found = sweep(SCENE, vary, samples=20)
-    page = sweep_page(found)
-    *dots, panel = page.axes  # by default of the loads
+    runs = sweep(SCENE, vary, samples=20)
+    page = sweep_page(runs)
+    *dots, panel = page.axes  # the histogram is of the peak force by default
     order = ["contact.stiffness [N/m$^{1.5}$]", "contact.restitution", "initial.vx [m/s]"]
     assert dots[0].get_xlabel() == order[0]
     assert sorted(axes.get_xlabel() for axes in dots) == sorted(order)
     line, mark = dots[0].lines
-    np.testing.assert_array_equal(
-        line.get_xydata().T, [found["contact.stiffness"], 1e-3 * found["peak_force"]]
-    )
+    np.testing.assert_array_equal(line.get_xydata().T, [runs["contact.stiffness"], 1e-3 * runs["peak_force"]])
     assert mark.get_xdata() == [SCENE.values["contact.stiffness"]] * 2
     assert page.get_suptitle().replace("\n", " ").endswith("kN rises mostly with stiffness")
     headings = [axes.get_title().replace("\n", " ").partition(": ") for axes in dots]
     assert [name for name, *_ in headings] == ["peak force [kN]", *["peak force [kN], others equal"] * 2]
     assert all(re.fullmatch(r"[−+][\d.]+ to [−+][\d.]+ %", effect) for *_, effect in headings)
     assert len({(axes.get_ylim(), axes.get_yscale()) for axes in dots}) == 1, "effects on one scale"
-    alone = dots[1].lines[0].get_ydata()
-    assert np.ptp(np.log(alone)) < 0.5 * np.ptp(np.log(found["peak_force"]))
-    force = 1e-3 * found["peak_force"][~found.failed]
+    forces_alone = dots[1].lines[0].get_ydata()
+    assert np.ptp(np.log(forces_alone)) < 0.5 * np.ptp(np.log(runs["peak_force"]))
+    force = 1e-3 * runs["peak_force"][~runs.failed]
     bars = edges_of(force, logarithmic=False, integer=False)
     assert [bar.get_x() for bar in panel.patches] == pytest.approx(bars[:-1])
     assert [bar.get_height() for bar in panel.patches] == np.histogram(force, bars)[0].tolist()
-    told = [text.get_text() for text in panel.get_legend().get_texts()]
-    assert told[0] == f"median {np.median(force):.3g} kN"
-    assert told[1].startswith("90 % of the runs: ")
-    *_, counts = found.plot(panels="impact.count").axes
+    entries = [text.get_text() for text in panel.get_legend().get_texts()]
+    assert entries[0] == f"median {np.median(force):.3g} kN"
+    assert entries[1].startswith("90 % of the runs: ")
+    *_, counts = runs.plot(panels="impact.count").axes
     assert {bar.get_x() % 1.0 for bar in counts.patches} == {0.5}
 
 
@@ -55,14 +53,14 @@ def test_a_choice_of_samples_has_a_box_with_its_median():
     vary = {"contact.stiffness": "1e6:1e9:log", "contact.model": "flores,zhang_sharf"}
     page = sweep_page(sweep(SCENE, vary, samples=16))
     axes = page.axes[-2]
-    named = axes.get_xlabel().replace("\n", "; ")
-    assert named == "contact.model; box: middle half and median; sideways: spread only"
+    axis_label = axes.get_xlabel().replace("\n", "; ")
+    assert axis_label == "contact.model; box: middle half and median; sideways: spread only"
     names = [label.get_text() for label in axes.get_xticklabels()]
     for name, box, median in zip(names, axes.patches, axes.collections, strict=True):
-        inside = [y for x, y in axes.lines[0].get_xydata() if abs(x - names.index(name)) < 0.5]
+        values = [y for x, y in axes.lines[0].get_xydata() if abs(x - names.index(name)) < 0.5]
         (level,) = {y for _, y in median.get_segments()[0]}
-        assert level == pytest.approx(np.median(inside))
-        assert box.get_y() == pytest.approx(np.quantile(inside, 0.25))
+        assert level == pytest.approx(np.median(values))
+        assert box.get_y() == pytest.approx(np.quantile(values, 0.25))
     assert "1e6" not in page.texts[1].get_text()  # the axis shows the range
     assert not page.legends
     assert "dashed: value in the scene" in page.texts[1].get_text()
@@ -93,26 +91,30 @@ def test_the_text_tells_a_course_that_falls_and_rises():
     vary, name = {"contact.restitution": "0.3:0.9", "contact.stiffness": "1e6:1e9:log"}, "contact.restitution"
     runs = sweep(SCENE, vary, samples=40)
     (peak, *_), variations = shown_quantities_of(runs).drawn_quantities, runs.design.variations
-    found = effects_on(runs, peak, variations)
+    fitted_effects = effects_on(runs, peak, variations)
     assert abs(rank_correlation(runs["contact.restitution"], runs["peak_force"])) < 0.3
-    assert found.is_factor
-    assert found.explained > 0.99
+    assert fitted_effects.is_factor
+    assert fitted_effects.explained > 0.99
     page = sweep_page(runs)
     for axes in page.axes[:2]:
         parameter = axes.get_xlabel().partition(" [")[0]
-        assert axes.get_title().replace("\n", " ").endswith(found.spread_text(parameter, "kN"))
+        assert axes.get_title().replace("\n", " ").endswith(fitted_effects.spread_text(parameter, "kN"))
     assert re.search(r"explains 99\.\d % of the variance", " ".join(page.texts[1].get_text().split()))
-    senses = [found.sense(parameter, runs[parameter]) for parameter in vary]
+    senses = [fitted_effects.sense(parameter, runs[parameter]) for parameter in vary]
     assert senses == ["", "rises"]
-    assert found.share("contact.stiffness") + found.share(name) == pytest.approx(found.explained, abs=0.05)
+    assert fitted_effects.share("contact.stiffness") + fitted_effects.share(name) == pytest.approx(
+        fitted_effects.explained, abs=0.05
+    )
     assert page.get_suptitle().replace("\n", " ").endswith("kN rises mostly with stiffness")
     # two runs that differ in restitution only: the ratio of their forces is that of the effects
     at = sweep(SCENE.with_values({"contact.stiffness": 3e7}), {"contact.restitution": "0.3,0.65"})
     order = np.argsort(runs[name])
-    effects = np.interp([0.3, 0.65], runs[name][order], found.of_names[name][order])
+    effects = np.interp([0.3, 0.65], runs[name][order], fitted_effects.of_names[name][order])
     assert np.diff(effects) == pytest.approx(np.diff(np.log(at["peak_force"])), abs=0.02)
-    alone = found.without_others(peak.values_in(runs), "contact.restitution")
-    assert np.ptp(np.log(alone)) == pytest.approx(found.spread("contact.restitution"), rel=0.2)
+    forces_alone = fitted_effects.without_others(peak.values_in(runs), "contact.restitution")
+    assert np.ptp(np.log(forces_alone)) == pytest.approx(
+        fitted_effects.spread("contact.restitution"), rel=0.2
+    )
 
 
 def test_too_few_runs_have_no_fit():
@@ -126,10 +128,10 @@ def test_the_parameter_without_dots_is_named():
     vary = {"contact.restitution": "0.3:0.9", "contact.stiffness": "1e7:1e9:log", "initial.vx": "0:1"}
     page = sweep(SCENE, vary | {"link[2].mass": "0.5:2"}, samples=10).plot()
     drawn_over = {axes.get_xlabel().partition(" [")[0] for axes in page.axes[:-1]}
-    told = re.split(f"\n|{SEPARATOR}", page.texts[1].get_text())
-    without = {text.partition(" ")[0] for text in told if text.endswith(", no panel")}
+    parts = re.split(f"\n|{SEPARATOR}", page.texts[1].get_text())
+    undrawn = {text.partition(" ")[0] for text in parts if text.endswith(", no panel")}
     assert len(drawn_over) == 3
-    assert without == {*vary, "link[2].mass"} - drawn_over
+    assert undrawn == {*vary, "link[2].mass"} - drawn_over
 
 
 @pytest.mark.parametrize("style", ["default", "dark_background"])
@@ -139,9 +141,9 @@ def test_the_lines_in_a_histogram_stand_out_from_bars_and_ground(style):
         page = sweep(SCENE, vary, samples=10).plot()
     panel = page.axes[-1]
     bar, ground = np.array(panel.patches[0].get_facecolor()), np.array(to_rgb(page.get_facecolor()))
-    seen = bar[3] * bar[:3] + (1.0 - bar[3]) * ground
+    bar_colour = bar[3] * bar[:3] + (1.0 - bar[3]) * ground
     for line in panel.lines:
-        assert min(contrast(line.get_color(), below) for below in (seen, ground)) >= 4.5
+        assert min(contrast(line.get_color(), colour) for colour in (bar_colour, ground)) >= 4.5
 
 
 def test_ranks_correlate_whatever_the_scale():
@@ -155,10 +157,10 @@ def test_ranks_correlate_whatever_the_scale():
 
 
 @pytest.mark.parametrize(
-    ("least", "most", "logarithmic"), [(2.0, 2.0, False), (1e-3, 1e6, True), (-1.0, 4.0, False)]
+    ("low", "high", "logarithmic"), [(2.0, 2.0, False), (1e-3, 1e6, True), (-1.0, 4.0, False)]
 )
-def test_bars_hold_all_values(least, most, logarithmic):
-    values = np.linspace(least, most, 300)
+def test_bars_hold_all_values(low, high, logarithmic):
+    values = np.linspace(low, high, 300)
     edges = edges_of(values, logarithmic=logarithmic, integer=False)
     assert np.histogram(values, edges)[0].sum() >= 299  # round-off may leave an end out
     assert 2 <= len(edges) <= 61

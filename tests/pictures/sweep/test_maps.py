@@ -23,27 +23,27 @@ from tests.pictures.sweep.drawn_sweeps import SCENE, sweep_page
 
 def test_maps_are_the_columns_with_ordered_axes():
     vary = {"contact.stiffness": "1e9,5e8,1e8,1e7", "contact.restitution": "0.4,0.0,0.8,0.6"}
-    found = sweep(SCENE, vary)
-    panel = sweep_page(found).axes[0]
+    runs = sweep(SCENE, vary)
+    panel = sweep_page(runs).axes[0]
     (mesh,) = panel.collections
-    shown = mesh.get_array()
+    cells = mesh.get_array()
     assert panel.get_xscale() == "log"
-    force = 1e-3 * found["peak_force"].reshape(4, 4)
+    force = 1e-3 * runs["peak_force"].reshape(4, 4)
     # restitutions upward in ascending order, stiffnesses to the right
-    assert np.array_equal(shown[[1, 2, 3]], force[::-1][:, [0, 3, 2]].T)
-    assert shown.mask[0].all()
+    assert np.array_equal(cells[[1, 2, 3]], force[::-1][:, [0, 3, 2]].T)
+    assert cells.mask[0].all()
     assert mesh.get_cmap()(np.ma.masked) == pytest.approx((float(FAILED_COLOUR),) * 3 + (1.0,), abs=0.01)
 
 
 @pytest.mark.full("takes long")
-@pytest.mark.parametrize(("width", "across"), [(3.3, 1), (4.7, 3), (10.8, 3)])
-def test_three_maps_leave_no_gap(width, across):
+@pytest.mark.parametrize(("width", "column_count"), [(3.3, 1), (4.7, 3), (10.8, 3)])
+def test_three_maps_leave_no_gap(width, column_count):
     vary = {"contact.restitution": "0.5:0.8:4", "contact.stiffness": "1e6:1e8:4:log"}
     page = sweep(SCENE, vary).plot(
         panels=["peak_force", "impact.count", "max_penetration"], size=(width, None)
     )
     maps = list(framed_panels(page))
-    assert len({round(axes.get_position().x0, 2) for axes in maps}) == across
+    assert len({round(axes.get_position().x0, 2) for axes in maps}) == column_count
     assert len([axes for axes in page.axes if axes.get_xlabel() == "contact.restitution"]) == 1
 
 
@@ -53,7 +53,7 @@ def test_colours_suit_wide_ranges_and_counts():
     vary = {"contact.stiffness": "1e4:1e10:6:log", "contact.restitution": "0.4,0.5,0.6,0.8"}
     page = sweep(SCENE, vary).plot(panels=["peak_force", "impact.count"])
     force, impacts = (axes.collections[0] for axes in framed_panels(page))
-    assert [type(one.norm).__name__ for one in (force, impacts)] == ["LogNorm", "BoundaryNorm"]
+    assert [type(mesh.norm).__name__ for mesh in (force, impacts)] == ["LogNorm", "BoundaryNorm"]
     counts = np.unique(impacts.get_array())
     assert len({tuple(impacts.to_rgba(count)) for count in counts}) == len(counts) > 1
 
@@ -61,13 +61,13 @@ def test_colours_suit_wide_ranges_and_counts():
 @pytest.mark.full("takes long")
 @pytest.mark.parametrize("points", [4, 10], ids=["values in cells", "values at lines"])
 def test_a_map_has_the_same_numbers_and_inks_on_a_dark_ground(points):
-    found = sweep(
+    runs = sweep(
         SCENE, {"contact.restitution": f"0.2:0.8:{points}", "contact.stiffness": f"1e6:1e9:{points}:log"}
     )
     numbers, inks = [], []
     for style in ("default", "dark_background"):
         with matplotlib.style.context(style):
-            page = found.plot(panels=["peak_force", "impact.count"])
+            page = runs.plot(panels=["peak_force", "impact.count"])
             page.draw_without_rendering()
         axes = [axes.collections[0].colorbar.long_axis for axes in page.axes[:2]]
         numbers.append([[text.get_text() for text in axis.get_ticklabels(which="both")] for axis in axes])
@@ -81,20 +81,20 @@ def test_a_map_has_the_same_numbers_and_inks_on_a_dark_ground(points):
 @pytest.mark.parametrize("width", [84, 120])
 def test_a_bar_has_numbers_at_its_ends_and_values_of_contours_have_room(width):
     vary = {"contact.restitution": "0.2:0.8:7", "contact.stiffness": "1e6:1e9:7:log"}
-    found = sweep(SCENE, vary | {"link[2].mass": "0.8,1,1.2"})
-    *maps, _, _ = found.plot(size=(width / 25.4, None)).axes
-    force = 1e-3 * found["peak_force"]
+    runs = sweep(SCENE, vary | {"link[2].mass": "0.8,1,1.2"})
+    *maps, _, _ = runs.plot(size=(width / 25.4, None)).axes
+    force = 1e-3 * runs["peak_force"]
     axis = maps[0].collections[0].colorbar.long_axis
     numbers = [text.get_text() for text in axis.get_ticklabels(which="both")]
     assert (numbers[0], numbers[-1]) == tuple(number_text(end, 3) for end in (force.min(), force.max()))
-    told = [[text for text in axes.texts if text.get_visible()] for axes in maps]
-    assert any(told)
-    for axes, texts in zip(maps, told, strict=True):
+    visible_texts = [[text for text in axes.texts if text.get_visible()] for axes in maps]
+    assert any(visible_texts)
+    for axes, texts in zip(maps, visible_texts, strict=True):
         boxes = [text.get_window_extent() for text in texts]
         assert all(np.allclose(Bbox.union([axes.bbox, box]).size, axes.bbox.size) for box in boxes)
-        assert not any(one.overlaps(other) for one, other in itertools.combinations(boxes, 2))
+        assert not any(first.overlaps(second) for first, second in itertools.combinations(boxes, 2))
     if maps[0].bbox.width < 25.0 / 25.4 * maps[0].figure.dpi:
-        values = [text.get_text() for texts in told for text in texts]
+        values = [text.get_text() for texts in visible_texts for text in texts]
         assert len({*values}) == len(values), "each value stands in one narrow map"
 
 
@@ -107,8 +107,8 @@ def test_words_tell_which_values_lie_beyond_the_colours():
 def test_three_parameters_have_a_map_for_each_value_of_one():
     laws = ["flores", "zhang_sharf"]
     vary = {"contact.restitution": "0.3:0.9:4", "contact.model": laws, "contact.stiffness": "1e7:1e9:5:log"}
-    found = sweep(SCENE, vary)
-    page = found.plot()
+    runs = sweep(SCENE, vary)
+    page = runs.plot()
     *maps, bar, frame = page.axes
     assert [axes.get_title() for axes in maps] == laws
     assert (frame.get_title(), page.legends) == ("contact.model", [])
@@ -116,17 +116,17 @@ def test_three_parameters_have_a_map_for_each_value_of_one():
     assert bar.get_ylabel() == "peak force [kN]"
     meshes = [axes.collections[0] for axes in maps]
     assert meshes[0].norm is meshes[1].norm
-    force = 1e-3 * found["peak_force"].reshape(4, 2, 5)
+    force = 1e-3 * runs["peak_force"].reshape(4, 2, 5)
     for k, mesh in enumerate(meshes):
         np.testing.assert_array_equal(mesh.get_array(), force[:, k].T)  # stiffnesses upward
     marks = [[line for line in axes.lines if line.get_marker() == "P"] for axes in maps]
     assert list(map(len, marks)) == [0, 1]  # the scene has the second law
     assert page.texts[1].get_text().count("in the scene (+)") == 2
-    narrow = found.plot(panels="impact.count", size=(84 / 25.4, None))
+    narrow = runs.plot(panels="impact.count", size=(84 / 25.4, None))
     assert len({round(axes.get_position().y0, 3) for axes in narrow.axes[:2]}) == 1
     assert [axes.get_xlabel() for axes in narrow.axes[2:]] == ["impacts", "contact.restitution"]
     with pytest.raises(SceneError, match="2 panels must be 1 if 3 parameters vary"):
-        found.plot(panels=["impact.count", "peak_force"])
+        runs.plot(panels=["impact.count", "peak_force"])
 
 
 def test_maps_are_three_in_a_row_and_each_column_has_a_label():
@@ -136,11 +136,11 @@ def test_maps_are_three_in_a_row_and_each_column_has_a_label():
     maps = page.axes[:5]
     assert len({round(axes.get_position().y1, 3) for axes in maps[:3]}) == 1
     assert [axes.get_xlabel() for axes in page.axes[:6]] == [*[""] * 5, "contact.restitution"]
-    numbered = [axes.xaxis.get_tick_params()["labelbottom"] for axes in maps]
-    assert numbered == [False, False, True, True, True]  # the third is above an empty place
+    has_numbers = [axes.xaxis.get_tick_params()["labelbottom"] for axes in maps]
+    assert has_numbers == [False, False, True, True, True]  # the third is above an empty place
     assert page.get_figheight() < 220 / 25.4
-    told = " ".join(text.get_text() for text in page.texts).replace("\n", " ")
-    assert "link[2].length 0.8 to 1.2 m, 0.5 in the scene (outside)" in told
+    page_text = " ".join(text.get_text() for text in page.texts).replace("\n", " ")
+    assert "link[2].length 0.8 to 1.2 m, 0.5 in the scene (outside)" in page_text
 
 
 @pytest.mark.parametrize(("count", "rows"), [(5, [3, 2]), (7, [4, 3]), (9, [3, 3, 3])])
@@ -162,12 +162,12 @@ def test_no_map_is_alone_in_its_row_and_the_nearest_one_has_a_frame(count, rows,
 
 def test_runs_without_an_impact_are_hatched_and_not_in_the_scale():
     vary = {"contact.restitution": "0.3:0.9:4", "initial.angle[1]": "-2.6:-1.8:5"}
-    found = sweep("pinned_arm", vary)
-    untouched = found["peak_force"] == 0.0
-    page = found.plot()
-    assert 0.0 < page.axes[0].collections[0].norm.vmin <= 1e-3 * found["peak_force"][~untouched].min()
-    hatched = [one for one in page.axes[0].collections if one.get_hatch()]
-    assert [len(one.get_paths()) for one in hatched] == [untouched.sum()]
+    runs = sweep("pinned_arm", vary)
+    untouched = runs["peak_force"] == 0.0
+    page = runs.plot()
+    assert 0.0 < page.axes[0].collections[0].norm.vmin <= 1e-3 * runs["peak_force"][~untouched].min()
+    hatched = [collection for collection in page.axes[0].collections if collection.get_hatch()]
+    assert [len(collection.get_paths()) for collection in hatched] == [untouched.sum()]
     assert "no impact" in [text.get_text() for text in page.legends[0].get_texts()]
     message = page.get_suptitle().replace("\n", " ")
     assert message.endswith("no impact at link 1 initial angle = −1.8 rad")
@@ -193,19 +193,19 @@ def test_a_picture_has_at_most_nine_maps(tmp_path, monkeypatch):
 @pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("count", [2, 4])
 def test_the_value_of_the_scene_is_marked(count):
-    found = sweep(SCENE, {"contact.stiffness": f"1e7:1e9:{count}:log", "contact.restitution": "0.4:0.8:4"})
-    page = sweep_page(found)
-    own = SCENE.values["contact.restitution" if count == 2 else "contact.stiffness"]
-    (mark,) = (line for line in page.axes[0].lines if {*line.get_xdata()} == {own})
+    runs = sweep(SCENE, {"contact.stiffness": f"1e7:1e9:{count}:log", "contact.restitution": "0.4:0.8:4"})
+    page = sweep_page(runs)
+    value = SCENE.values["contact.restitution" if count == 2 else "contact.stiffness"]
+    (mark,) = (line for line in page.axes[0].lines if {*line.get_xdata()} == {value})
     assert (mark.get_marker() == "P") == (count == 4)  # without a map, a line from the foot to the top
     assert ([*mark.get_ydata()] == [0.0, 1.0]) == (count == 2)
-    told = " ".join(text.get_text().replace("\n", " ") for text in page.texts)
-    assert f"{number_text(own)} in the scene ({'dashed' if count == 2 else '+'})" in told
+    page_text = " ".join(text.get_text().replace("\n", " ") for text in page.texts)
+    assert f"{number_text(value)} in the scene ({'dashed' if count == 2 else '+'})" in page_text
 
 
 def test_a_fine_map_has_lines_with_their_values():
-    found = sweep(SCENE, {"contact.stiffness": "1e7:1e9:10:log", "contact.restitution": "0.4:0.8:10"})
-    panel = sweep_page(found).axes[0]
+    runs = sweep(SCENE, {"contact.stiffness": "1e7:1e9:10:log", "contact.restitution": "0.4:0.8:10"})
+    panel = sweep_page(runs).axes[0]
     mark, *values = sorted((text.get_text() for text in panel.texts), key=str.isnumeric)
     assert mark == "scene"
     values = [float(value) for value in values]
@@ -219,15 +219,15 @@ def test_a_fine_map_has_lines_with_their_values():
             if text.get_text() != mark
         ]
     )
-    apart = np.hypot(*(places[:, None] - places[None]).T) + np.eye(len(places))
-    assert apart.min() > LEAST_ROOM
+    distances = np.hypot(*(places[:, None] - places[None]).T) + np.eye(len(places))
+    assert distances.min() > LEAST_ROOM
 
 
 def test_a_coarse_map_has_the_values_of_its_cells_and_ends_at_limits():
-    found = sweep(SCENE, {"contact.stiffness": "1e7:1e9:4:log", "contact.restitution": "0.2:0.98:4"})
-    axes, *_ = panels = list(framed_panels(sweep_page(found)))
-    told = sorted(float(text.get_text()) for text in axes.texts)
-    assert told == pytest.approx(sorted(1e-3 * found["peak_force"]), rel=5e-3)
+    runs = sweep(SCENE, {"contact.stiffness": "1e7:1e9:4:log", "contact.restitution": "0.2:0.98:4"})
+    axes, *_ = panels = list(framed_panels(sweep_page(runs)))
+    values = sorted(float(text.get_text()) for text in axes.texts)
+    assert values == pytest.approx(sorted(1e-3 * runs["peak_force"]), rel=5e-3)
     assert axes.get_ylim()[1] == 1.0
     assert len(panels) == 4
     assert {text.xyann[1] for text in axes.texts} == {0.0}  # no number is under the scene's mark
@@ -235,8 +235,8 @@ def test_a_coarse_map_has_the_values_of_its_cells_and_ends_at_limits():
 
 @pytest.mark.full("takes long")
 def test_the_name_of_the_mark_covers_no_contour_of_a_narrow_map():
-    found = sweep(SCENE, {"contact.stiffness": "1e7:1e9:10:log", "contact.restitution": "0.4:0.8:10"})
-    page = found.plot(size=(84 / 25.4, None))
+    runs = sweep(SCENE, {"contact.stiffness": "1e7:1e9:10:log", "contact.restitution": "0.4:0.8:10"})
+    page = runs.plot(size=(84 / 25.4, None))
     maps = list(framed_panels(page))
     for axes in maps:
         assert axes.bbox.width < 2.0 * axes.bbox.height
@@ -249,19 +249,19 @@ def test_the_name_of_the_mark_covers_no_contour_of_a_narrow_map():
 
 def test_a_parameter_without_effect_is_told():
     vary = {"contact.restitution": "0.3:0.9:5", "initial.x": "0.4,0.5", "contact.stiffness": "1e7,1e8,1e9"}
-    found = sweep(SCENE, vary)
-    assert found.plot().get_suptitle().replace("\n", " ").endswith(", initial x has no effect")
+    runs = sweep(SCENE, vary)
+    assert runs.plot().get_suptitle().replace("\n", " ").endswith(", initial x has no effect")
 
 
 def test_only_the_map_of_the_own_value_is_marked_and_empty_maps_are_named():
     scene = load_scene("bouncing_ball").with_values({"simulation.stop_time": 0.6})
     two = {"initial.y": [0.8, 1.0, 1.1, 1.2], "contact.restitution": [0.8, 0.9, 0.95, 1.0]}
-    found = sweep(scene, two | {"solver.tolerance": [1e-10, 1e-9, 1e-8]})
-    page = found.plot(panels=["impact.count"])
+    runs = sweep(scene, two | {"solver.tolerance": [1e-10, 1e-9, 1e-8]})
+    page = runs.plot(panels=["impact.count"])
     crosses = [sum(line.get_marker() == "P" for line in axes.lines) for axes in page.axes[:3]]
     assert crosses == [0, 0, 1]
     assert page.axes[2].get_title() == "1e-8"
-    page = found.plot(panels=["peak_force"])  # a rigid wall has impulses
+    page = runs.plot(panels=["peak_force"])  # a rigid wall has no peak force
     assert "solver.tolerance" in [axes.get_title() for axes in page.axes]
     assert any("peak force" in text.get_text() for text in page.axes[0].texts)
 

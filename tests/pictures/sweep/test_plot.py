@@ -30,18 +30,18 @@ KINDS = {
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_kind_is_drawn_and_nothing_overlaps(kind, tmp_path):
     vary, options = KINDS[kind]
-    found = sweep(SCENE, vary, **options)
-    found.plot(tmp_path / "out.png")
+    runs = sweep(SCENE, vary, **options)
+    runs.plot(tmp_path / "out.png")
     assert (tmp_path / "out.png").stat().st_size > 10_000
-    page = sweep_page(found)
+    page = sweep_page(runs)
     renderer = FigureCanvasAgg(page).get_renderer()
     panels = [axes.get_tightbbox(renderer) for axes in page.axes]
-    others = [page._suptitle.get_window_extent(renderer)]
-    others += [legend.get_window_extent(renderer) for legend in page.legends]
-    for k, one in enumerate(others):
-        assert not any(one.overlaps(other) for other in panels + others[k + 1 :]), kind
-        assert one.x0 >= 0.0
-        assert one.x1 <= page.bbox.x1
+    heads = [page._suptitle.get_window_extent(renderer)]
+    heads += [legend.get_window_extent(renderer) for legend in page.legends]
+    for k, box in enumerate(heads):
+        assert not any(box.overlaps(other_box) for other_box in panels + heads[k + 1 :]), kind
+        assert box.x0 >= 0.0
+        assert box.x1 <= page.bbox.x1
     assert page.get_suptitle().startswith("FourLinkBox: ")
 
 
@@ -50,12 +50,12 @@ def test_every_kind_is_drawn_and_nothing_overlaps(kind, tmp_path):
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_page_of_any_width_has_all_panels(kind, width):
     vary, options = KINDS[kind]
-    found = sweep(SCENE, vary, **options)
-    page = found.plot(size=(width / 25.4, 16.0))
+    runs = sweep(SCENE, vary, **options)
+    page = runs.plot(size=(width / 25.4, 16.0))
     assert page.get_figwidth() == width / 25.4
-    told = [(axes.get_ylabel(), axes.get_xlabel(), axes.get_title()) for axes in page.axes]
-    labels = {label.replace("\n", " ").partition(", ")[0] for texts in told for label in texts}
-    assert {quantity.label for quantity in shown_quantities_of(found).all_quantities} <= labels
+    panel_texts = [(axes.get_ylabel(), axes.get_xlabel(), axes.get_title()) for axes in page.axes]
+    labels = {label.replace("\n", " ").partition(", ")[0] for texts in panel_texts for label in texts}
+    assert {quantity.label for quantity in shown_quantities_of(runs).all_quantities} <= labels
     if kind in {"two choices", "number and all choices"}:
         numbers = {text.get_text() for axes in page.axes for text in axes.get_yticklabels()}
         assert {"two choices": {"auto", "explicit"}}.get(kind, {*CONTACT_LAWS}) <= numbers
@@ -79,20 +79,20 @@ def test_the_longest_names_fit_their_panels_at_each_width(kind, width):
     page = sweep(load_scene("arm_at_stop").with_values(values), vary, **options).plot(size=(width, None))
     check_texts(page)
     for axes in page.axes:
-        heading, name, inside = axes.title, axes.yaxis.label, axes.get_window_extent()
-        assert heading.get_window_extent().width <= inside.width
-        assert name.get_window_extent().height <= inside.height
+        heading, name, axes_box = axes.title, axes.yaxis.label, axes.get_window_extent()
+        assert heading.get_window_extent().width <= axes_box.width
+        assert name.get_window_extent().height <= axes_box.height
     panels = [axes for axes in page.axes if axes.get_title() and kind != "samples"]
-    numbered = [axes for axes in panels if axes.xaxis.get_tick_params()["labelbottom"]]
+    numbered_panels = [axes for axes in panels if axes.xaxis.get_tick_params()["labelbottom"]]
     lowest = min((axes.get_position().y0 for axes in panels), default=0.0)
-    assert all(axes.get_position().y0 == pytest.approx(lowest) for axes in numbered)
+    assert all(axes.get_position().y0 == pytest.approx(lowest) for axes in numbered_panels)
 
 
 @pytest.mark.full("takes long")
 def test_a_page_that_is_too_low_is_refused():
-    found = sweep(SCENE, {"contact.restitution": "0.4,0.8"})
+    runs = sweep(SCENE, {"contact.restitution": "0.4,0.8"})
     with pytest.raises(ValueError, match=r"^size = \(3.3, 2\) must be at least [\d.]+ high"):
-        found.plot(size=(3.3, 2.0))
+        runs.plot(size=(3.3, 2.0))
 
 
 def test_names_of_rows_are_apart_by_default():
@@ -105,8 +105,8 @@ def test_names_of_rows_are_apart_by_default():
 
 def test_a_choice_without_a_value_has_a_word_in_its_row():
     laws = ["flores", "newton_impact", "kelvin_voigt", "zhang_sharf"]
-    found = sweep(SCENE, {"contact.model": laws})
-    page = sweep_page(found)
+    runs = sweep(SCENE, {"contact.model": laws})
+    page = sweep_page(runs)
     words = {}
     for axes in page.axes:
         words[axes.get_title().replace("\n", " ").partition(" [")[0].partition(",")[0]] = {
@@ -119,60 +119,62 @@ def test_a_choice_without_a_value_has_a_word_in_its_row():
         assert rows == {*range(len(laws))} - {text.get_position()[1] for text in axes.texts}
     assert words["peak force"] == {"newton_impact": "impulse", "kelvin_voigt": "failed"}
     assert words["largest penetration"] == {"kelvin_voigt": "failed"}
-    told = page.get_suptitle() + "".join(text.get_text() for text in page.texts)
-    assert "1 failed (exponent not allowed)" in told
-    assert "contact.model: 4 choices, zhang_sharf in the scene (ring)" in told
+    page_text = page.get_suptitle() + "".join(text.get_text() for text in page.texts)
+    assert "1 failed (exponent not allowed)" in page_text
+    assert "contact.model: 4 choices, zhang_sharf in the scene (ring)" in page_text
 
 
 def test_only_the_panels_that_are_named_are_drawn():
-    found = sweep(SCENE, {"contact.restitution": "0.2:0.8:3"}, outputs=["point[4].x"])
-    assert labels_of(found.plot(panels="peak*")) == ["peak force [kN]"]
-    page = found.plot(panels=["point[4].x", "energy.kinetic"])
+    runs = sweep(SCENE, {"contact.restitution": "0.2:0.8:3"}, outputs=["point[4].x"])
+    assert labels_of(runs.plot(panels="peak*")) == ["peak force [kN]"]
+    page = runs.plot(panels=["point[4].x", "energy.kinetic"])
     assert labels_of(page) == ["point[4].x at the end [m]", "energy.kinetic at the end [J]"]
     with pytest.raises(SceneError, match=r"peek_force.*the nearest is peak_force"):
-        found.plot(panels="peek_force")
+        runs.plot(panels="peek_force")
 
 
 def test_too_many_parameters_are_refused(tmp_path):
     names = ("x", "y", "vx", "vy", "angle[1]", "angle[2]", "angle[3]")
-    found = sweep(SCENE, {f"initial.{name}": [1.0] for name in names})
+    runs = sweep(SCENE, {f"initial.{name}": [1.0] for name in names})
     with pytest.raises(SceneError, match="7 parameters vary, must be <= 3 for a picture"):
-        found.plot(tmp_path / "out.png")
+        runs.plot(tmp_path / "out.png")
 
 
 def test_too_many_runs_are_refused(tmp_path, monkeypatch):
     monkeypatch.setattr("chain_impact.pictures.sweep.plot.MOST_DRAWN", 3)
-    found = sweep(SCENE, {"contact.restitution": [0.3, 0.4, 0.5, 0.6]})
+    runs = sweep(SCENE, {"contact.restitution": [0.3, 0.4, 0.5, 0.6]})
     with pytest.raises(SceneError, match="4 runs must be <= 3 for a picture: draw parts of the table"):
-        found.plot(tmp_path / "sweep.png")
+        runs.plot(tmp_path / "sweep.png")
 
 
 def test_the_headline_tells_parameters_that_act_together():
-    told = message._dependence_text
-    assert told({"contact.restitution": (0.32, ""), "contact.model": (0.11, "")}).endswith(" together")
-    assert told({"contact.stiffness": (0.7, "rises"), "contact.restitution": (0.1, "")}) == (
+    dependence_text = message._dependence_text
+    assert dependence_text({"contact.restitution": (0.32, ""), "contact.model": (0.11, "")}).endswith(
+        " together"
+    )
+    assert dependence_text({"contact.stiffness": (0.7, "rises"), "contact.restitution": (0.1, "")}) == (
         "rises mostly with stiffness"
     )
-    assert told({"contact.stiffness": (0.4, ""), "contact.restitution": (0.35, "")}) == (
+    assert dependence_text({"contact.stiffness": (0.4, ""), "contact.restitution": (0.35, "")}) == (
         "depends on stiffness and restitution"
     )
-    assert told({"contact.stiffness": (0.1, "")}) == ""
+    assert dependence_text({"contact.stiffness": (0.1, "")}) == ""
 
 
 @pytest.mark.full("takes long")
 def test_a_narrow_headline_is_balanced_and_written_once(monkeypatch):
     """The picture is drawn for several heights with the same texts."""
-    written = []
-    real = plot.headline_parts
+    calls = []
+    headline_parts = plot.headline_parts
     monkeypatch.setattr(
-        plot, "headline_parts", lambda *args, **is_small: written.append(1) or real(*args, **is_small)
+        plot, "headline_parts", lambda *args, **is_small: calls.append(1) or headline_parts(*args, **is_small)
     )
-    found = sweep(SCENE, {"contact.restitution": "0.3:0.9:5", "contact.stiffness": "1e6:1e9:5:log"})
-    page = found.plot(size=(60 / 25.4, None))
+    runs = sweep(SCENE, {"contact.restitution": "0.3:0.9:5", "contact.stiffness": "1e6:1e9:5:log"})
+    page = runs.plot(size=(60 / 25.4, None))
     lines = page.get_suptitle().split("\n")
     assert len(lines) == 3
     assert min(map(len, lines)) > 0.7 * max(map(len, lines))
     assert "with stiffness" in page.get_suptitle().replace("\n", " ")
-    assert len(written) == 1
+    assert len(calls) == 1
     conditions = " ".join(page.texts[1].get_text().split())
     assert conditions.count("in the scene (+)") == 2

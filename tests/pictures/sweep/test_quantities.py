@@ -13,15 +13,15 @@ from tests.pictures.sweep.drawn_sweeps import SCENE, labels_of, sweep_page
 @pytest.mark.full("takes long")
 def test_a_scene_with_stops_has_panels_for_them():
     outputs = ["point[2].x", "point[2].y", "joint[2].stop_moment", "impact.last_time"]
-    found = sweep(knee_scene(), {"stop.restitution": "0.2,0.5,0.8"}, outputs=outputs)
-    page, changing = sweep_page(found), [name for name in outputs if np.ptp(found[name]) > 0.0]
+    runs = sweep(knee_scene(), {"stop.restitution": "0.2,0.5,0.8"}, outputs=outputs)
+    page, changing = sweep_page(runs), [name for name in outputs if np.ptp(runs[name]) > 0.0]
     labels = labels_of(page)
     # joint forces are unknown without loads
     assert (
         labels[:6]
         == [
             quantity.label
-            for quantity in shown_quantities_of(found).all_quantities
+            for quantity in shown_quantities_of(runs).all_quantities
             if quantity.column != "joint_force"
         ][:6]
     )
@@ -54,21 +54,20 @@ def test_stops_of_a_slider_have_panels_for_their_forces():
 
 def test_the_unit_of_a_force_suits_its_values():
     scene = load_scene("bouncing_ball").with_values({"contact.model": "flores"})
-    found = sweep(scene, {"contact.stiffness": "1e2:1e4:3:log"})
-    most = found["peak_force"].max()
-    (axes,) = found.plot(panels="peak_force").axes
-    assert 1.0 <= most < 1000.0
+    runs = sweep(scene, {"contact.stiffness": "1e2:1e4:3:log"})
+    largest_force = runs["peak_force"].max()
+    (axes,) = runs.plot(panels="peak_force").axes
+    assert 1.0 <= largest_force < 1000.0
     assert axes.get_title() == "peak force [N]"
-    assert np.nanmax(axes.lines[0].get_ydata()) == most
+    assert np.nanmax(axes.lines[0].get_ydata()) == largest_force
 
 
 def test_outputs_that_were_asked_for_have_panels():
-    found = sweep(SCENE, {"contact.restitution": "0.2:0.8:4"}, outputs=["point[4].x", "impact.last_wall"])
-    page = sweep_page(found)
+    runs = sweep(SCENE, {"contact.restitution": "0.2:0.8:4"}, outputs=["point[4].x", "impact.last_wall"])
+    page = sweep_page(runs)
     assert labels_of(page)[4:] == ["point[4].x at the end [m]"]
-    assert (
-        "the same in all runs: impact.last_wall at the end 3" in page.texts[1].get_text()
-    )  # the quantity has no panel
+    # the quantity has no panel
+    assert "the same in all runs: impact.last_wall at the end 3" in page.texts[1].get_text()
 
 
 def test_results_that_never_change_still_have_a_picture():
@@ -80,8 +79,8 @@ def test_results_that_never_change_still_have_a_picture():
 
 def test_forces_of_a_sweep_have_one_unit():
     scene = load_scene("carried_arm").with_values({"simulation.stop_time": 0.6})
-    found = sweep(scene, {"contact.restitution": "0.1,0.9"}, outputs=["joint[1].force.y", "point[2].y"])
-    units = {quantity.column: quantity.unit for quantity in shown_quantities_of(found).all_quantities}
+    runs = sweep(scene, {"contact.restitution": "0.1,0.9"}, outputs=["joint[1].force.y", "point[2].y"])
+    units = {quantity.column: quantity.unit for quantity in shown_quantities_of(runs).all_quantities}
     forces = {unit for name, unit in units.items() if "force" in name}
     assert forces <= {"N", "kN"}
     assert len(forces) == 1
@@ -89,12 +88,12 @@ def test_forces_of_a_sweep_have_one_unit():
     assert {"peak_force", "joint_force", "joint[1].force.y"} <= units.keys()
 
 
-@pytest.mark.parametrize(("values", "told"), [([1.0, 1.05, 0.99], ", varies by 5.7 %"), ([1.0, 1.2], "")])
-def test_values_that_hardly_differ_do_not_fill_the_axis(values, told):
+@pytest.mark.parametrize(("values", "note"), [([1.0, 1.05, 0.99], ", varies by 5.7 %"), ([1.0, 1.2], "")])
+def test_values_that_hardly_differ_do_not_fill_the_axis(values, note):
     values, quantity = np.array(values), MAIN_QUANTITIES[-1]
-    assert quantity.label_for(values) == f"energy dissipated [J]{told}"
+    assert quantity.label_for(values) == f"energy dissipated [J]{note}"
     ends = quantity.ends_for(values)
-    assert (ends is not None) == bool(told)
+    assert (ends is not None) == bool(note)
     if ends:
         assert ends[0] < values.min() < values.max() < ends[1]
         assert ends[1] - ends[0] > 1.5 * np.ptp(values)

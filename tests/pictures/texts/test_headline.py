@@ -27,16 +27,16 @@ from tests.pictures.pictures import MODELS, impact_row, recorded, swing
 @pytest.mark.parametrize("model", MODELS)
 def test_the_numbers_are_those_of_the_recording(model):
     recording = recorded(model)
-    said = headline(recording)
-    assert said.startswith(recording.name + ": ")
-    found = re.search(r"(\d+) impact", said)
-    assert (int(found[1]) if found else 0) == recording.impact_count
-    told, prefix = re.search(r" in ([\d.]+) (m?)s\b", said).groups()
-    assert float(told) * (1e-3 if prefix else 1.0) == pytest.approx(recording.time[-1], rel=1e-5)
-    assert 0.1 <= float(told) < 1e3
+    message = headline(recording)
+    assert message.startswith(recording.name + ": ")
+    match = re.search(r"(\d+) impact", message)
+    assert (int(match[1]) if match else 0) == recording.impact_count
+    time_text, prefix = re.search(r" in ([\d.]+) (m?)s\b", message).groups()
+    assert float(time_text) * (1e-3 if prefix else 1.0) == pytest.approx(recording.time[-1], rel=1e-5)
+    assert 0.1 <= float(time_text) < 1e3
     columns = recording.columns
-    if found := re.search(r"([\d.]+) J dissipated", said):
-        assert float(found[1]) == pytest.approx(columns["energy.dissipated"][-1], rel=5e-3)
+    if match := re.search(r"([\d.]+) J dissipated", message):
+        assert float(match[1]) == pytest.approx(columns["energy.dissipated"][-1], rel=5e-3)
     else:  # an elastic wall dissipates nothing
         assert abs(columns["energy.dissipated"]).max() < 1e-9
 
@@ -71,11 +71,11 @@ def test_the_conditions_are_the_parameters_of_the_run():
 
 
 @pytest.mark.parametrize(
-    ("model", "told"), [("arm_at_stop", "20"), ("ur5e", "200")], ids=["with targets", "with a limit"]
+    ("model", "damping"), [("arm_at_stop", "20"), ("ur5e", "200")], ids=["with targets", "with a limit"]
 )
-def test_the_damping_of_a_powered_drive_is_that_of_a_servo(model, told):
+def test_the_damping_of_a_powered_drive_is_that_of_a_servo(model, damping):
     parts = conditions(recorded(model)).split(SEPARATOR)
-    assert f"servo damping ≤ {told} N·m·s/rad" in parts
+    assert f"servo damping ≤ {damping} N·m·s/rad" in parts
     assert not [part for part in parts if part.startswith("joint damping")]
 
 
@@ -83,17 +83,17 @@ def test_the_damping_of_a_powered_drive_is_that_of_a_servo(model, told):
 def test_the_largest_force_and_its_impact_are_told(title):
     recording = recorded("four_link_box")
     row = int(np.argmax(recording.impacts["peak_force"]))
-    (most,) = peaks(recording)
-    value, prefix = re.fullmatch(r"([\d.]+) (k?)N", most.value).groups()
-    assert (most.name, most.row) == ("peak force", row)
+    (peak,) = peaks(recording)
+    value, prefix = re.fullmatch(r"([\d.]+) (k?)N", peak.value).groups()
+    assert (peak.name, peak.row) == ("peak force", row)
     force = recording.impacts["peak_force"][row]
     assert float(value) * (1e3 if prefix else 1.0) == pytest.approx(force, rel=5e-3)
     page = recording.plot(title=title, panels="energy")
-    head, *others = [text.get_text().replace("\n", " ") for text in page.texts]
-    assert (most.value in head) == (not title)
-    told = f"impact {row + 1}: point 2 hits y_min at {recording.impacts['onset'][row]:.4g} s"
-    (place,) = (text for text in others if told in text)
-    assert (most.value in place) == bool(title)  # the value is told once
+    head, *lines = [text.get_text().replace("\n", " ") for text in page.texts]
+    assert (peak.value in head) == (not title)
+    impact_text = f"impact {row + 1}: point 2 hits y_min at {recording.impacts['onset'][row]:.4g} s"
+    (place,) = (text for text in lines if impact_text in text)
+    assert (peak.value in place) == bool(title)  # the value is told once
 
 
 @pytest.mark.full("more cases", but=1)
@@ -111,26 +111,26 @@ def test_a_narrow_picture_has_the_peak_as_its_headline(panel, colour):
 
 
 def test_a_moment_at_a_stop_and_an_impulse_have_words_of_their_own():
-    moment, *others = peaks(simulate(knee_scene(), 1.0))
-    assert not others
+    moment, *other_peaks = peaks(simulate(knee_scene(), 1.0))
+    assert not other_peaks
     assert moment.name == "peak moment"
     assert moment.value.endswith("N·m")
     rigid = with_values(load_scene("rod_drop"), {("contact", "model"): "newton_impact"})
     run = simulate(rigid)
-    (told,) = peaks(run)
-    assert told.name == "largest impulse"
+    (peak,) = peaks(run)
+    assert peak.name == "largest impulse"
     assert run.impacts["peak_force"].max() > 0.0, "the rod rests at the end with a force"
-    assert float(told.value.removesuffix(" N·s")) == pytest.approx(run.impacts["impulse"].max(), rel=5e-3)
-    assert told.row == int(np.argmax(run.impacts["impulse"]))
+    assert float(peak.value.removesuffix(" N·s")) == pytest.approx(run.impacts["impulse"].max(), rel=5e-3)
+    assert peak.row == int(np.argmax(run.impacts["impulse"]))
     assert peaks(swing()) == []
 
 
 def test_the_impulse_of_a_rest_is_no_largest_impulse():
     """The impulse of a ball that rests to the end of the run is its weight times the duration of the rest."""
     run = simulate(load_scene("bouncing_ball"))
-    (told,) = peaks(run)
+    (peak,) = peaks(run)
     assert int(np.argmax(run.impacts["impulse"])) == len(run.impacts) - 1
-    assert told.row == 0
+    assert peak.row == 0
 
 
 @pytest.mark.parametrize("duration", [0.7, 1.5])
@@ -141,36 +141,36 @@ def test_the_weight_on_a_rigid_wall_is_no_part_of_the_impact(duration):
     (impact,) = run.impacts
     assert impact["peak_force"] > 0.0
     assert np.isnan(impact["end"])
-    (told,) = peaks(run)
+    (peak,) = peaks(run)
     momentum = sum(link.mass for link in scene.chain.links) * impact["impact_speed"]
-    assert told.name == "hit impulse"
-    assert float(told.value.removesuffix(" N·s")) == pytest.approx(momentum, rel=5e-3)
+    assert peak.name == "hit impulse"
+    assert float(peak.value.removesuffix(" N·s")) == pytest.approx(momentum, rel=5e-3)
     assert "peak" not in headline(run)
 
 
 def test_a_knee_that_stays_at_its_stop_tells_joint_time_speed_and_impulse():
     run = simulate(load_scene("kneed_leg"))
     short = simulate(load_scene("kneed_leg"), float(run.impacts["onset"][0]) + 1e-6)
-    (told,) = peaks(run)
-    assert told.name == "hit impulse at a stop"
+    (peak,) = peaks(run)
+    assert peak.name == "hit impulse at a stop"
     assert run.impacts["impulse"][0] > 2.0 * short.impacts["impulse"][0]  # the stop then holds the knee
-    value = float(told.value.removesuffix(" mN·m·s"))
+    value = float(peak.value.removesuffix(" mN·m·s"))
     assert value == pytest.approx(1e3 * short.impacts["impulse"][0], rel=5e-3)
     page = run.plot(size=(84 / 25.4, None))
-    assert told.value in page.get_suptitle()
+    assert peak.value in page.get_suptitle()
     assert any("joint 3 hits joint_max at 0.3478 s with 7.69 rad/s" in t.get_text() for t in page.texts)
     panel = next(axes for axes in page.axes if axes.get_label() == "impacts")
-    assert f"#1: {told.value}" in [text.get_text() for text in panel.texts]
+    assert f"#1: {peak.value}" in [text.get_text() for text in panel.texts]
     assert panel.get_ylabel().split() == ["hit", "impulse", "[mN·m·s]"]
 
 
 def test_none_of_equal_impulses_is_singled_out():
     run = recorded("bouncing_table")
-    (told,) = peaks(run)
-    assert told.equal_count == len(run.impacts)
+    (peak,) = peaks(run)
+    assert peak.equal_count == len(run.impacts)
     assert marked_peaks(run) == []
-    assert told.text == f"{told.equal_count} equal impulses of {run.impacts['impulse'].max():.3f} N·s"
-    assert f": {told.text}, " in headline(run)
+    assert peak.text == f"{peak.equal_count} equal impulses of {run.impacts['impulse'].max():.3f} N·s"
+    assert f": {peak.text}, " in headline(run)
     page = run.plot(panels=["motion", "impacts"])
     assert not any(line.get_color() == PEAK_COLOUR for axes in page.axes for line in axes.lines)
     assert any("the first in impact 1: ball hits y_min at " in text.get_text() for text in page.texts)
@@ -178,11 +178,11 @@ def test_none_of_equal_impulses_is_singled_out():
     assert page.axes[1].get_ylabel() == "impulse [N·s]"
 
 
-@pytest.mark.parametrize(("supplied", "told"), [(0.5, "0.5 J supplied"), (-2.0, "2 J taken"), (1e-3, "")])
-def test_energy_of_drives_is_told_beside_that_lost(supplied, told):
+@pytest.mark.parametrize(("supplied", "text"), [(0.5, "0.5 J supplied"), (-2.0, "2 J taken"), (1e-3, "")])
+def test_energy_of_drives_is_told_beside_that_lost(supplied, text):
     recording = swing()
     recording.columns["energy.supplied"] = np.linspace(0.0, supplied, 50)
-    drives = f", {told} by drives" if told else ""
+    drives = f", {text} by drives" if text else ""
     assert headline(recording) == f"Swing: no impacts in 2 s, 1 J dissipated{drives}"
 
 
@@ -204,13 +204,13 @@ def test_in_a_narrow_picture_the_load_stands_below_the_peak_force():
 def test_the_law_of_contacts_is_told_if_something_touches(end, touches):
     recording = simulate(load_scene("rod_drop"), end)
     assert has_contact(recording) == touches == (len(recording.impacts) > 0)
-    told = " ".join(text.get_text() for text in recording.plot(panels="energy").texts)
-    assert ("law " in told) == ("restitution" in told) == ("stiffness" in told) == touches
+    page_text = " ".join(text.get_text() for text in recording.plot(panels="energy").texts)
+    assert ("law " in page_text) == ("restitution" in page_text) == ("stiffness" in page_text) == touches
 
 
 def test_an_impulse_has_no_stiffness():
-    known = recorded("rod_drop").parameters | {"contact.model": "newton_impact"}
-    assert "stiffness" not in conditions(swing(parameters=known))
+    parameters = recorded("rod_drop").parameters | {"contact.model": "newton_impact"}
+    assert "stiffness" not in conditions(swing(parameters=parameters))
 
 
 def test_without_parameters_only_the_links_are_known():
@@ -218,29 +218,29 @@ def test_without_parameters_only_the_links_are_known():
 
 
 def test_a_law_without_losses_has_no_restitution():
-    known = recorded("rod_drop").parameters | {"contact.model": "hertz"}
-    told = conditions(swing(parameters=known))
-    assert "law hertz" in told
-    assert "restitution" not in told
+    parameters = recorded("rod_drop").parameters | {"contact.model": "hertz"}
+    text = conditions(swing(parameters=parameters))
+    assert "law hertz" in text
+    assert "restitution" not in text
 
 
 STOPS = [(None, "stops e = 0.5"), ("flores", "stops law flores, e = 0.5"), ("hertz", "stops law hertz")]
 
 
-@pytest.mark.parametrize(("own", "told"), STOPS)
-def test_stops_have_their_restitution_and_a_law_of_their_own(own, told):
-    scene = knee_scene(**({"stops.model": own} if own else {}))
-    assert told in conditions(simulate(scene, 0.5)).split(SEPARATOR)
+@pytest.mark.parametrize(("law", "part"), STOPS)
+def test_stops_have_their_restitution_and_a_law_of_their_own(law, part):
+    scene = knee_scene(**({"stops.model": law} if law else {}))
+    assert part in conditions(simulate(scene, 0.5)).split(SEPARATOR)
 
 
 @pytest.mark.parametrize(
-    ("lost", "told"), [(0.5, ", 0.5 J dissipated"), (3.21e-5, ", 3.21e-05 J dissipated"), (1e-14, "")]
+    ("loss", "text"), [(0.5, ", 0.5 J dissipated"), (3.21e-5, ", 3.21e-05 J dissipated"), (1e-14, "")]
 )
-def test_a_small_loss_is_told_and_round_off_is_not(lost, told):
+def test_a_small_loss_is_told_and_round_off_is_not(loss, text):
     recording = swing([impact_row(1.0, 1, "y_max", 1.0)], {"y_max": 1.0})
-    total = np.linspace(1.0, 1.0 - lost, 50)
+    total = np.linspace(1.0, 1.0 - loss, 50)
     recording.columns.update({"energy.total": total, "energy.dissipated": 1.0 - total})
-    assert headline(recording) == f"Swing: 1 impact in 2 s{told}"
+    assert headline(recording) == f"Swing: 1 impact in 2 s{text}"
 
 
 def test_the_joint_with_the_largest_force_is_told_with_its_number_and_time():
@@ -251,11 +251,13 @@ def test_the_joint_with_the_largest_force_is_told_with_its_number_and_time():
     joint = max(peaks_of, key=lambda n: peaks_of[n][-1])
     fine = simulate(scene, output_step=1e-5)
     time = fine.time[np.hypot(*fine.joint_forces[joint].T).argmax()]
-    (told,) = re.findall(r"joint (\d) bears up to ([\d.]+) k?N in the run, at ([\d.]+) s", load_text(result))
-    assert (int(told[0]), float(told[2])) == (joint, pytest.approx(time, abs=1e-5))
+    (load_parts,) = re.findall(
+        r"joint (\d) bears up to ([\d.]+) k?N in the run, at ([\d.]+) s", load_text(result)
+    )
+    assert (int(load_parts[0]), float(load_parts[2])) == (joint, pytest.approx(time, abs=1e-5))
     assert any(load_text(result) in text.get_text() for text in page.texts)
     motion = next(axes for axes in page.axes if axes.get_label() == "motion")
-    assert any(told[1] in text.get_text() for text in motion.texts)
+    assert any(load_parts[1] in text.get_text() for text in motion.texts)
     plain = simulate("pinned_arm")  # without the outputs of loads, a repeated run has the force
     assert load_text(plain) == load_text(result)
     assert any(load_text(result) in text.get_text() for text in plain.plot().texts)
@@ -263,8 +265,10 @@ def test_the_joint_with_the_largest_force_is_told_with_its_number_and_time():
 
 
 def test_the_largest_force_in_a_joint_lacks_the_impulses_of_rigid_impacts():
-    (told,) = [text.get_text() for text in simulate("falling_arm").plot().texts if "bears" in text.get_text()]
-    assert "joint 1 bears up to 38.5 N without impulses, at" in told.replace("\n", " ")
+    (load_line,) = [
+        text.get_text() for text in simulate("falling_arm").plot().texts if "bears" in text.get_text()
+    ]
+    assert "joint 1 bears up to 38.5 N without impulses, at" in load_line.replace("\n", " ")
 
 
 def test_without_impacts_the_headline_tells_joint_force_and_oscillation():
