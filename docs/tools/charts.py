@@ -39,8 +39,8 @@ NAMED_LAWS = {
 LONGEST_RUN = 200.0
 NO_FRICTION = {"friction": 0.0, "static_friction": 0.0}  # a free impact has no motion along the wall
 HEIGHT = 1e-3  # [m] distance from the wall at the start of a free impact
-# a law counts as accurate if its error is at most LARGEST_ERROR at all restitutions from FROM on
-FROM, LARGEST_ERROR = 0.5, 0.05
+# a law counts as accurate if its error is at most MOST_ERROR at all restitutions from FROM on
+FROM, MOST_ERROR = 0.5, 0.05
 
 
 def free_impact(contact: Contact, mass: float, speed: float) -> np.void:
@@ -104,7 +104,7 @@ def draw(path: Path) -> None:
             value.plot(SAMPLES, e_out, **look(names), **label)
             error.plot(SAMPLES, e_out - SAMPLES, **look(names))
             total += len(names)
-            accurate += len(names) * bool(np.abs(e_out - SAMPLES)[FROM <= SAMPLES].max() <= LARGEST_ERROR)
+            accurate += len(names) * bool(np.abs(e_out - SAMPLES)[FROM <= SAMPLES].max() <= MOST_ERROR)
         ends = " to ".join(choose(other_ends, key=lambda name: other_ends[name]) for choose in (min, max))
         value.plot([], [], color=GREY, label=f"{len(other_ends)} others, from {ends}")
         value.set(
@@ -114,7 +114,7 @@ def draw(path: Path) -> None:
         error.set(ylim=(-0.15, 0.15))
         write_headline(
             page,
-            f"{accurate} of {total} laws that are a force realise e within {LARGEST_ERROR} from e = {FROM} on",
+            f"{accurate} of {total} laws that are a force realise e within {MOST_ERROR} from e = {FROM} on",
             "free impacts of 1 kg at 1 m/s",
         )
         legend_at_foot(page, value.get_legend_handles_labels()[0])
