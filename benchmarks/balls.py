@@ -40,8 +40,8 @@ class Matrix:
         spread += len(factor.middle) * ROUND_OFF * (size @ np.abs(factor.middle))
         return Matrix(self.middle @ factor.middle, spread * SLACK + TINY)
 
-    def solve(self, right: Matrix) -> Matrix:
-        """Return Y with A Y = R, where A is this matrix and R is ``right``.
+    def solve(self, right_side: Matrix) -> Matrix:
+        """Return Y with A Y = R, where A is this matrix and R is ``right_side``.
 
         Y follows from Y = X R + (1 − X A) Y with an approximate inverse X of A.
 
@@ -49,7 +49,7 @@ class Matrix:
             RefusalError: when this formula does not bound Y.
         """
         inverse = Matrix(np.linalg.inv(self.middle))
-        first, rest = inverse @ right, inverse @ self
+        first, rest = inverse @ right_side, inverse @ self
         left = np.abs(rest.middle - np.eye(len(rest.middle))) + rest.radius + ROUND_OFF
         share = float(left.sum(axis=1).max()) * SLACK
         if not share < 0.9:

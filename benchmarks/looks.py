@@ -53,8 +53,8 @@ def strong(is_ours: bool, colour: Any, marker: str, line: str = "-") -> dict[str
 def name_curves(figure: Any, panels: Sequence[Any]) -> None:
     """Write the name of each labelled curve once, beside a point of the curve in one of the panels.
 
-    Curves without a free place for their name (``free_places``) have a key below the panels. Other texts
-    must be there before, and the layout of the figure must not change after that.
+    Curves without a free place for their name (``free_places``) have a key below the panels. The figure
+    must have all other texts before, and its layout must not change after that.
     """
     lines = {line.get_label(): line for axes in panels for line in axes.lines}
     names = {label for label in lines if not label.startswith("_")}

@@ -30,13 +30,13 @@ SETTINGS = {"reference": (7, 1e-14), "check": (6, 1e-13)}  # name of a run → h
 MANY, LOOSER = 10, 10.0
 
 
-def cholesky_solve(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+def cholesky_solve(matrix: np.ndarray, right_side: np.ndarray) -> np.ndarray:
     """Return the solution of a symmetric positive definite system in the precision of its numbers.
 
     NumPy's function does not have 80-bit arithmetic.
     """
-    a = np.column_stack([matrix, right])
-    n = len(right)
+    a = np.column_stack([matrix, right_side])
+    n = len(right_side)
     for k in range(n - 1):
         a[k + 1 :, k:] -= np.outer(a[k + 1 :, k] / a[k, k], a[k, k:])
     x = np.zeros(n, a.dtype)

@@ -40,7 +40,7 @@ ANGLE_TOLERANCE = 1e-6  # [rad] angles that differ by at most this count as equa
 TOUCHING = ("joint_min", "joint_max", "joint_friction", "slider_min", "slider_max", "slider_friction")
 """The properties of a link or a slider that MuJoCo treats otherwise, by soft constraints."""
 LIMITED = "the limit of its drives"
-"""A part of the remark that a limit also acts on the joint's own damper."""
+"""A part of the remark that a limit of drives also acts on the damper of the joint."""
 CONSTRAINTS = mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
 
 

@@ -193,7 +193,7 @@ def found_by(peer: OnInstance, extremes: np.ndarray, steps: int, outcome: str) -
 
 
 def run_ours(scene: Scene) -> dict[str, Any]:
-    """Return a cell of ours, checked at intervals of SAMPLE."""
+    """Return the cell of a method of this package, checked at intervals of SAMPLE."""
     try:
         instance = Instance(scene)
     except SimulationError as problem:

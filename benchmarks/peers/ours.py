@@ -126,7 +126,7 @@ def unpacked(name: str) -> str:
 
 
 def contenders(problem: Problem, tolerance: float, stop: float) -> dict[str, Contender]:
-    """Return the functions that users call, and the kernel beside them."""
+    """Return the functions that users call, and the kernel alone."""
     return {
         "chain-impact": Simulate(problem, tolerance, stop),
         "chain-impact, FMU": Fmu(problem, tolerance, stop),

@@ -19,7 +19,7 @@ from chain_impact.scene.texts.unit_text import bracketed_unit
 
 LIMITS = {"minimum": "minimum", "above": "exclusiveMinimum", "maximum": "maximum"}
 ALTERNATIVES = {Wall: ("angle", "normal"), Initial: ("angles", "joint_angles")}
-"""Tables with two alternative keys, of which the reader requires exactly one."""
+"""Tables with two alternative keys; the reader requires exactly one of both."""
 TYPES = {bool: "boolean", int: "integer", float: "number", str: "string"}
 
 

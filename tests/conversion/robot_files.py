@@ -149,7 +149,7 @@ TWO = (
 
 
 def read(tmp_path, text, **choices):
-    """Return the scene of a robot file with a text, and the messages about it."""
+    """Return the scene of a robot file with a text, and the result of its conversion."""
     file = tmp_path / ("robot.xml" if "<mujoco" in text else "robot.urdf")
     file.write_text(text, encoding="utf-8")
     return scene_of_robot(file, ConversionChoices(**choices))

@@ -109,7 +109,7 @@ FOOT = {
         [(x, z, 0.0, "") for x in (0.28, 0.32) for z in (-0.2, 0.0)],
     ),
 }
-"""Name → a shape of a foot, and its points: x and z in the body, radius and name; None: the test has them."""
+"""Name → a shape of a foot, and its points: x and z in the body, radius, name; None: computed in the test."""
 
 
 @pytest.mark.parametrize("name", FOOT)

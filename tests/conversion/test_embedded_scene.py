@@ -1,4 +1,4 @@
-"""Files of this package that a user has changed, or reads with axes or joints that the scene has not."""
+"""MJCF files of this package that a user has changed, or converts with other axes or joints."""
 
 import json
 import re

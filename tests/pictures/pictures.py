@@ -57,7 +57,7 @@ def write(recording, path):
 
 
 def impact_row(time, point, wall, speed):
-    """Return an impact for ``swing``."""
+    """Return an impact for ``swing``: time [s], point, wall, speed [m/s]."""
     return time, point, wall, speed
 
 
@@ -181,7 +181,7 @@ def check_rules(page):
         axes_box = axes.get_window_extent()
         if legend := axes.get_legend():
             box = legend.get_window_extent()
-            if box.x0 >= axes_box.x1:  # beside a slim motion
+            if box.x0 >= axes_box.x1:  # the legend stands right of a slim motion
                 assert box.y0 >= axes_box.y0 - 0.5
             else:
                 assert box.width <= axes_box.width + 0.5
@@ -195,7 +195,9 @@ def check_rules(page):
             )
     if page.get_figwidth() < 4.0:
         all_legends = [legend for axes in page.axes if (legend := axes.get_legend())]
-        legends = [legend for legend in all_legends if legend.get_gid() == MARK]  # others take no height
+        legends = [
+            legend for legend in all_legends if legend.get_gid() == MARK
+        ]  # the other legends take no height
         heads = [item.get_window_extent().height for item in (page._suptitle, *legends)]
         assert sum(heads) <= 0.15 * page.bbox.height
     check_ink(page)
@@ -205,7 +207,7 @@ def check_rules(page):
 def check_ink(page):
     """Check that no text in the axes covers a line or a mark; a text with an outline may cover pale lines."""
     labels = [text for axes in page.axes for text in axes.texts if text.get_gid() != LANE]
-    boxes = [Text.get_window_extent(text) for text in labels]  # without the lines to their marks
+    boxes = [Text.get_window_extent(text) for text in labels]  # the boxes of the texts alone, without leaders
     for text in labels:
         text.set_visible(False)
     used_pixels = UsedPixels(page)

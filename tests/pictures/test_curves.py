@@ -185,7 +185,9 @@ def test_zero_outputs_are_told_at_the_foot_and_large_forces_have_a_prefix(result
         text.get_text() for text in page.texts if text.get_text().startswith("0 in the whole view")
     ]
     assert "contact[0].x_min.force" in foot_text
-    assert narrow_peak(result, result.curves(["contact[*].*.force"])) == 1  # a command then gives a hint
+    assert (
+        narrow_peak(result, result.curves(["contact[*].*.force"])) == 1
+    )  # the command line then gives a hint
     assert axes.get_ylabel() == "force [kN]"
     assert max(line.get_ydata().max() for line in axes.lines) == pytest.approx(
         1e-3 * result.impacts["peak_force"].max(), rel=1e-2
@@ -220,7 +222,10 @@ def test_the_contacts_of_a_point_have_the_colour_of_the_point():
     assert looks_of(contacts, places) == [1, 2, 0]  # the second wall has the colour of no point
     assert looks_of(contacts[1:], places) == [2, 0]
     places = {f"point[{k}]": k for k in range(len(PALETTE))}
-    assert looks_of(contacts[:2], places) == [4, 4 + len(PALETTE)]  # without such a colour, dashes
+    assert looks_of(contacts[:2], places) == [
+        4,
+        4 + len(PALETTE),
+    ]  # without a colour of its own, a second wall has dashes
     assert looks_of([f"contact[4].wall{k}.force" for k in range(4)], places) == [0, 1, 2, 3]
 
 

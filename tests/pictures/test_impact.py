@@ -100,7 +100,7 @@ def test_a_comparison_draws_itself_at_any_width_and_into_axes(tmp_path):
 
 @pytest.mark.full("takes long")
 def test_a_lasting_contact_shows_its_impact_and_that_it_lasts():
-    """The peak stays visible, and the loop is open."""
+    """The axis of time ends soon after the peak, and the loop is open."""
     result = simulate(driven(stop_time=1.0))
     number = 1 + int(np.flatnonzero(np.isnan(result.impacts["end"]))[0])
     lasting = 1.0 - result.impacts["onset"][number - 1]

@@ -85,7 +85,9 @@ SIZES = [*itertools.product(BUSY, WIDTHS[::2]), *((model, WIDTHS[0]) for model i
 @pytest.mark.parametrize(("model", "width"), SIZES)
 def test_texts_fit_a_page_of_any_width(model, width):
     """84 and 190 mm, the widths of journals: the layout is made for the width, not scaled."""
-    height = {"thrown_brick": 6.75, "bouncing_table": 6.75, "sphere_on_wall": 7.25}.get(model, 6.5)  # needed
+    height = {"thrown_brick": 6.75, "bouncing_table": 6.75, "sphere_on_wall": 7.25}.get(
+        model, 6.5
+    )  # [inch] needed
     page = recorded(model).plot(size=(width, height))
     assert tuple(page.get_size_inches()) == (width, height)
     motion, *places = (axes.get_position(original=True) for axes in page.axes)

@@ -374,7 +374,7 @@ def test_a_step_of_a_parameter_that_is_zero_does_not_set_the_scale():
     )
     curve = next(line for line in axes.lines if line.get_label().startswith("contact.radius"))
     assert curve.is_dashed()
-    # the table has a row of its own for it, whose numbers have no colour
+    # the table has a further row for the radius, whose numbers have no colour
     table = page.axes[-1]
     assert [text.get_text() for text in table.get_yticklabels()] == [
         "contact.restitution",

@@ -41,5 +41,5 @@ def test_a_force_that_stays_constant_is_marked_at_its_onset():
 
 
 def test_an_impulse_is_marked_at_its_onset():
-    recording = recorded("kneed_leg")  # its joint stays at the stop after the impulse, with a force
+    recording = recorded("kneed_leg")  # after the impulse, a force holds its joint at the stop
     np.testing.assert_array_equal(impacts_at_peaks(recording)["onset"], recording.impacts["onset"])

@@ -37,7 +37,7 @@ def torque(time):
     return 5.0 * np.sin(20.0 * time)
 
 
-# interpolation → torque at times t, for the communication points p
+# interpolation → torque [N·m] at times t, for the communication points p [s]
 TORQUES = {
     "follow": lambda t, _: torque(t),
     "hold": lambda t, p: torque(p[np.maximum(np.searchsorted(p, t) - 1, 0)]),

@@ -127,7 +127,7 @@ def test_a_law_has_the_same_colour_in_each_picture(comparison):
 
 
 def test_the_law_without_losses_has_its_own_line():
-    """Else the band of the other laws would reach up to its constant energy."""
+    """Without a line of its own, its constant energy would widen the band of the other laws."""
     comparison = compare("bouncing_ball", laws=["zhang_sharf", "hertz", "gharib_hurmuzlu", "newton_impact"])
     reasons = named_laws(comparison)
     assert (reasons["hertz"], reasons["gharib_hurmuzlu"]) == ("no losses", "differs most with losses")
@@ -300,7 +300,8 @@ def test_the_panels_show_loops_and_energy(comparison):
     assert sum("[" in name for name in names) == 4
     (legend,) = page.legends
     labels = [text.get_text() for text in legend.get_texts()]
-    assert len(labels) == COLOURED_LAWS + 3  # a law of impulses, the others, and the mark of other impacts
+    # three more entries: a law of impulses, the grey laws, and the mark where impacts differ
+    assert len(labels) == COLOURED_LAWS + 3
     ends = {
         run.law: run.restitution for run in comparison.runs if looks.get(run.law, {}).get("color") == GREY
     }

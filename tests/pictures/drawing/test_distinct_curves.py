@@ -50,11 +50,13 @@ def test_the_range_of_an_oscillation_is_exact_up_to_both_ends():
 @pytest.mark.parametrize(
     "curve",
     [
-        np.sin(2.0 * np.pi * 3.0 * TIME),  # few periods
-        (7.0 * TIME) % 1.0,  # a sawtooth: both turns of a flank are at nearly one time
+        np.sin(2.0 * np.pi * 3.0 * TIME),  # an oscillation of few periods
+        (7.0 * TIME) % 1.0,  # a sawtooth: its largest and its smallest value are at nearly the same time
         (12.0 * TIME) % 1.0,  # 36 periods, each 8 points wide
         TIME + 1e-3 * np.sin(2.0 * np.pi * 100.0 * TIME),  # an oscillation that is too small to be seen
-        np.where(TIME < 0.1, np.sin(2.0 * np.pi * 100.0 * TIME), 0.0),  # in a small part of the time
+        np.where(
+            TIME < 0.1, np.sin(2.0 * np.pi * 100.0 * TIME), 0.0
+        ),  # an oscillation in a small part of the time
     ],
 )
 def test_other_curves_are_lines(curve):

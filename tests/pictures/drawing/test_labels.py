@@ -132,7 +132,7 @@ def test_a_line_to_a_label_goes_around_a_strong_line_if_it_can():
     page = Figure((4.0, 4.0), dpi=100)
     axes = page.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, 4.0), ylim=(0.0, 4.0))
     axes.axis("off")
-    # covers all positions beside the place
+    # this area covers all positions next to the place
     axes.fill([1.7, 2.3, 2.3, 1.7], [1.7, 1.7, 2.3, 2.3], color="0.93")
     wall = axes.plot([2.45, 2.45], [0.0, 4.0], color="black")[0].get_xdata()[0]
     assert not place_labels(axes, [Label("1", (2.0, 2.0), (1.0, 0.0))], UsedPixels(page), lines=True)

@@ -84,8 +84,8 @@ def test_panels_have_rooms_of_their_own(count):
     places = [axes.get_position() for axes in page.axes]
     assert len(places) == 2 * count + 1
     assert not any(first.overlaps(second) for first, second in itertools.combinations(places, 2))
-    assert places.pop().y1 < min(place.y0 for place in places)  # the estimates
-    assert len({round(place.y0, 3) for place in places}) == 2  # one row
+    assert places.pop().y1 < min(place.y0 for place in places)  # the panel of estimates
+    assert len({round(place.y0, 3) for place in places}) == 2  # a row of values, and a row of residuals
     assert count == len(TIP) or places[-1].width < 0.8 * places[0].width  # the panel of impacts
 
 

@@ -49,8 +49,8 @@ def test_a_moving_wall_has_the_colours_of_start_and_end(row):
     motion = motion_of(recording)
     at = START - recording["wall.x_max.position"][row]
     assert to_hex(colour_of_time(recording)(recording.time[row])) in upright_lines(motion, at)
-    left, right = motion.get_xlim()
-    assert left < at < right
+    low, high = motion.get_xlim()
+    assert low < at < high
 
 
 def test_the_legend_has_the_moving_wall():

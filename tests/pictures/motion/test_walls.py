@@ -39,7 +39,7 @@ def test_every_wall_near_the_motion_is_a_line_at_its_place(model):
     recording = recorded(model)
     motion = motion_of(recording)
     ends = wall_lines(motion)
-    # test_moving_walls.py tests moving walls; the ends of a slider's line belong to the line
+    # test_moving_walls.py tests moving walls; the stops of a slider are the ends of its line
     left_out = {*STOPS, *SLIDER_STOPS, *recording.moved_walls}
     hit = {recording.wall_names[wall] for wall in recording.impacts["wall"]} - left_out
     assert len(hit) <= len(ends) <= len(recording.walls)
@@ -165,9 +165,9 @@ def test_the_view_of_a_narrow_picture_is_not_much_wider_than_the_motion(model):
     page = page_of_width(model, 120)
     motion = panel_of(page, "motion")
     places = recorded(model).points[..., 0]
-    left, right = motion.get_xlim()
-    margins = [places.min() - left, right - places.max()]
+    low, high = motion.get_xlim()
+    margins = [places.min() - low, high - places.max()]
     assert min(margins) > 0.0
-    assert max(margins) < 0.26 * (right - left)
+    assert max(margins) < 0.26 * (high - low)
     page.draw_without_rendering()
     assert motion.get_window_extent().height > 0.3 * page.bbox.height

@@ -48,9 +48,10 @@ def numbers(axes):
 
 
 def strengths(recording):
-    """Return peak forces, or impulses under a rigid law, of contacts that end; if all are 0, impact speeds.
+    """Return the peak force of each impact; under a rigid law its impulse, 0 for a contact without an end.
 
-    All impacts are at walls, or all at stops.
+    If all are 0, return the impulses of hits under a rigid law, else the impact speeds. All impacts are at
+    walls, or all at stops.
     """
     impacts, law = recording.impacts, recording.parameters.get("contact.model")
     if recording.is_at_joint_stop.all():

@@ -45,7 +45,7 @@ def test_the_panels_that_are_asked_for_are_drawn():
 
 def test_rows_replace_a_run_that_cannot_be_repeated():
     slow = record_slowly(load_scene("pinned_arm"))
-    rows = slow.with_rows(np.arange(len(slow.time)))  # stored rows
+    rows = slow.with_rows(np.arange(len(slow.time)))  # stored rows cannot repeat the run
     row, time, force = course_of_hardest(rows)
     assert (row, len(time) >= 20) == (0, True)
     assert force.max() == pytest.approx(rows.impacts["peak_force"][0], rel=1e-2)

@@ -49,7 +49,7 @@ def test_three_maps_leave_no_gap(width, column_count):
 
 @pytest.mark.full("takes long")
 def test_colours_suit_wide_ranges_and_counts():
-    """The peak force grows by three decades with the stiffness; the number of impacts is whole."""
+    """The peak force grows 250 times with the stiffness; the numbers of impacts are whole."""
     vary = {"contact.stiffness": "1e4:1e10:6:log", "contact.restitution": "0.4,0.5,0.6,0.8"}
     page = sweep(SCENE, vary).plot(panels=["peak_force", "impact.count"])
     force, impacts = (axes.collections[0] for axes in framed_panels(page))

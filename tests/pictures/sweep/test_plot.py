@@ -113,7 +113,7 @@ def test_a_choice_without_a_value_has_a_word_in_its_row():
             laws[round(text.get_position()[1])]: text.get_text() for text in axes.texts
         }
         _, ring = axes.lines
-        assert ring.get_ydata().tolist() == [laws.index("zhang_sharf")]  # the scene's own law
+        assert ring.get_ydata().tolist() == [laws.index("zhang_sharf")]  # the law of the scene
         (guides,) = axes.collections  # no line lies on a word
         rows = {float(y) for (_, y), _ in guides.get_segments()}
         assert rows == {*range(len(laws))} - {text.get_position()[1] for text in axes.texts}
@@ -163,7 +163,7 @@ def test_the_headline_tells_parameters_that_act_together():
 
 @pytest.mark.full("takes long")
 def test_a_narrow_headline_is_balanced_and_written_once(monkeypatch):
-    """The picture is drawn for several heights with the same texts."""
+    """The picture is drawn for several heights, but its texts are composed once."""
     calls = []
     headline_parts = plot.headline_parts
     monkeypatch.setattr(

@@ -54,7 +54,7 @@ def test_the_energy_lost_is_that_of_the_effective_mass():
 
 def test_a_loop_is_the_first_impact_and_encloses_the_energy_lost(box):
     for run in box.runs:
-        if run.duration == 0.0:  # an impulse
+        if run.duration == 0.0:  # a law of impulses
             assert run.loop.size == 0
             continue
         depth, force = run.loop

@@ -40,7 +40,7 @@ def test_the_advice_names_all_of_a_few_laws(box):
 def test_no_law_is_named_whose_contact_does_not_end():
     scene = with_values(default_scene(), {("simulation", "stop_time"): 0.4995})
     comparison = compare(scene)
-    assert advice(comparison).endswith(": newton_impact")  # an impulse is over
+    assert advice(comparison).endswith(": newton_impact")  # an impulse ends at its onset
     forces = tuple(run for run in comparison.runs if not CONTACT_LAWS[run.law].rigid)
     assert advice(replace(comparison, runs=forces)).endswith(": none of these laws")
 

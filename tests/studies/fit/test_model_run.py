@@ -15,7 +15,7 @@ MOTION = {
 
 @pytest.mark.parametrize("interpolation", ["follow", "hold"])
 def test_the_curve_of_the_model_goes_through_the_values_of_the_fit(interpolation):
-    """Also where a motion is held between the times of the data, so that other times would change it."""
+    """With ``hold``, a motion is held between the times of the data, so other times would change it."""
     scene = load_scene("pinned_arm").with_values(
         {"inputs.base_motion": True, "simulation.step_size": 0.05, "simulation.stop_time": 0.4}
     )

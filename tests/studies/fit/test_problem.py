@@ -35,7 +35,9 @@ def test_the_true_parameters_leave_nothing(fit_problem):
     evaluation = fit_problem.evaluate(fit_problem.start)
     assert fit_problem.values(fit_problem.start) == pytest.approx(TRUE)
     assert evaluation.is_usable.all()
-    assert np.abs(evaluation.residuals / fit_problem.size).max() < 1e-6  # tolerance of the measured run
+    assert (
+        np.abs(evaluation.residuals / fit_problem.size).max() < 1e-6
+    )  # integration errors of the measured run
 
 
 def test_slopes_are_those_of_the_residuals(fit_problem):
@@ -90,7 +92,7 @@ def test_a_contact_that_lasts_has_no_peak_yet():
     fit_problem = problem([[columns, table]], [scene().with_values({"simulation.stop_time": 0.5005})])
     run = fit_problem.evaluate(fit_problem.start)
     assert np.isfinite(run.residuals[-2])
-    early = fit_problem.evaluate(fit_problem.start, 0.4004)  # runs to 0.5005 s
+    early = fit_problem.evaluate(fit_problem.start, 0.4004)  # the run goes on to 1.25 × 0.4004 s
     assert math.isnan(early.residuals[-1])
 
 
@@ -103,7 +105,7 @@ def test_a_run_that_fails_says_why():
 
 
 def test_a_run_leaves_nothing_behind(fit_problem):
-    """Also a run that ended in a contact, or failed."""
+    """A shorter run and a refused one do not change the next run."""
     first = fit_problem.evaluate(fit_problem.start)
     fit_problem.evaluate(fit_problem.start, 0.5)
     fit_problem.evaluate(fit_problem.start * [1.0, 3.0, 1.0])  # e = 2.1 is refused

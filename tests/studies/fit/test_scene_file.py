@@ -131,7 +131,7 @@ def test_the_file_of_another_law_is_not_replaced(tmp_path, monkeypatch):
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "cache"))
     scene, law_file = with_law(parse_scene(TEXT, "ball.toml"), springy), tmp_path / "springy.py"
     write_scene(scene, tmp_path / "one.toml")
-    write_scene(scene, tmp_path / "two.toml")  # the same law file may exist there
+    write_scene(scene, tmp_path / "two.toml")  # the file of the same law may exist already
     law_file.write_text("mine")
     with pytest.raises(SceneError, match=r"springy\.py is another file than that of the contact law springy"):
         write_scene(scene, tmp_path / "three.toml")

@@ -131,7 +131,7 @@ def test_a_worker_with_another_version(scheduler, monkeypatch):
 
 
 class Other:
-    """Another version than on the workers, which find it by its name."""
+    """A version other than that of the workers: pickled as a name, it is their own function there."""
 
     def __call__(self):
         return "9.9", "abc"

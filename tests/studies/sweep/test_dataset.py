@@ -34,7 +34,7 @@ class StopError(Exception):
 
 
 def stopped(folder, at=0.3):
-    """Run a sweep until a part of it is done."""
+    """Run a sweep, and stop it by an error when more than the share ``at`` is done."""
 
     def progress(part):
         if part > at:
@@ -125,7 +125,7 @@ def test_finished_runs_are_not_run_again(tmp_path, all_runs, monkeypatch):
     monkeypatch.setattr(module, "run_in_threads", spy)
     assert sweep(SCENE, VARY, path=folder).to_dataframe().equals(all_runs.to_dataframe())
     assert {path: path.stat().st_mtime_ns for path in files} == files
-    monkeypatch.setattr(computation, "Runner", None)  # no kernel, scheduler or file is needed either
+    monkeypatch.setattr(computation, "Runner", None)  # a finished sweep needs no kernel, lock or scheduler
     monkeypatch.setattr(FileLock, "acquire", None)
     times = {path: path.stat().st_mtime_ns for path in folder.iterdir()}
     repeated = sweep(SCENE, VARY, path=folder, scheduler="tcp://127.0.0.1:9")

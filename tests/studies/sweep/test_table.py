@@ -33,7 +33,12 @@ def test_columns_of_a_sweep_are_found_by_name(runs):
     assert runs.failed.tolist() == [True, False, False, False]
     assert np.isnan(runs["point[4].x"]).tolist() == [True, False, False, False]
     assert np.isnan(runs["max_penetration"]).tolist() == [True, False, False, False]
-    assert np.isnan(runs["peak_force"]).tolist() == [True, True, False, True]  # a failed run, and impulses
+    assert np.isnan(runs["peak_force"]).tolist() == [
+        True,
+        True,
+        False,
+        True,
+    ]  # a failed run, and two with impulses
     assert runs["impact.last_wall"].dtype == np.int64
     assert runs.table.dtype.names == runs.names
     with pytest.raises(KeyError, match=r"^'peak is not a column of the sweep; there are contact"):
