@@ -22,8 +22,8 @@ from tests.helpers.tools.planted_faults import (
     BINARIES,
     BINARY,
     FAULTS,
-    FOUND,
     MISSED,
+    REPORTED,
     SUFFIX,
     WHOLE,
     XML,
@@ -82,7 +82,7 @@ def test_the_page_states_how_many_planted_faults_are_found():
     text = (Path(__file__).parents[2] / "docs" / "check_fmu.md").read_text("utf-8")
     stated = re.search(r"plant (\d+) .* and (\d+) .* FMPy finds (\d+) and (\d+)\.", text).groups()
     planted = [len(some) + len(WHOLE) for some in FAULTS.values()]
-    by_fmpy = [sum(fault.by_fmpy == FOUND for fault in some.values()) for some in FAULTS.values()]
+    by_fmpy = [sum(fault.by_fmpy == REPORTED for fault in some.values()) for some in FAULTS.values()]
     assert [*map(int, stated)] == [*planted, *by_fmpy]
 
 

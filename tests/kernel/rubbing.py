@@ -144,7 +144,7 @@ class AtRest:
     def consistent(self) -> dict[tuple[int, ...], np.ndarray]:
         """Return all combinations of modes that fulfil their conditions → t·a."""
         held, sliding = self.limits()
-        found: dict[tuple[int, ...], np.ndarray] = {}
+        solutions: dict[tuple[int, ...], np.ndarray] = {}
         scale = np.abs(self.bias).max()
         for modes in itertools.product(MODES, repeat=len(self.elements)):
             signs = np.array(modes)
@@ -156,8 +156,8 @@ class AtRest:
                 stuck, np.abs(forces) <= held * (1.0 + 1e-7) + 1e-7, signs * reached >= -1e-7 * scale
             )
             if fits.all():
-                found[modes] = reached
-        return found
+                solutions[modes] = reached
+        return solutions
 
 
 class Doubled(AtRest):

@@ -104,7 +104,7 @@ def test_an_onset_is_due_at_the_end_of_the_step_only():
 
 
 @pytest.mark.parametrize(
-    ("events", "known"),
+    ("events", "are_known"),
     [
         ([], (0, False)),
         ([ONSET, NO_EVENT, ONSET], (2, False)),
@@ -112,10 +112,10 @@ def test_an_onset_is_due_at_the_end_of_the_step_only():
         ([KINK, ONSET], (2, True)),
     ],
 )
-def test_events_are_counted_and_kinks_are_told(monkeypatch, events, known):
+def test_events_are_counted_and_kinks_are_told(monkeypatch, events, are_known):
     d = at_end_of_a_step(events)
     monkeypatch.setattr(loop, "apply_events", lambda _: False)
-    assert loop.apply_pending_events(d) == known
+    assert loop.apply_pending_events(d) == are_known
 
 
 @pytest.mark.parametrize("changed", [False, True])
@@ -123,19 +123,19 @@ def test_the_rate_after_events_is_worked_out_where_they_change_it(monkeypatch, c
     d = at_end_of_a_step([ONSET])
     monkeypatch.setattr(loop, "apply_events", lambda _: changed)
     loop.ensure_rate(d)
-    right = d.scratch.rate_end.copy()
-    d.scratch.rate_end[:] = old = np.arange(len(right)) + 0.5
+    rate = d.scratch.rate_end.copy()
+    d.scratch.rate_end[:] = old = np.arange(len(rate)) + 0.5
     before = d.statistics.rhs_evaluations
     loop.apply_pending_events(d)
-    np.testing.assert_array_equal(d.scratch.rate_start, right if changed else old)
+    np.testing.assert_array_equal(d.scratch.rate_start, rate if changed else old)
     assert d.statistics.rhs_evaluations - before == changed
 
 
 @pytest.mark.parametrize(
-    ("rigid", "touching", "events", "right"),
+    ("rigid", "touching", "events", "expected"),
     [(1, 0, 1, True), (0, 0, 1, False), (1, 1, 1, False), (1, 0, 0, False)],
 )
-def test_a_step_after_a_rigid_impact_is_as_in_flight(monkeypatch, rigid, touching, events, right):
+def test_a_step_after_a_rigid_impact_is_as_in_flight(monkeypatch, rigid, touching, events, expected):
     d = at_end_of_a_step()
     if touching:
         mark_touching(d, [0])
@@ -145,7 +145,7 @@ def test_a_step_after_a_rigid_impact_is_as_in_flight(monkeypatch, rigid, touchin
     for size in (1e-2, 1e-4):
         d.step.next_size = size
         assert loop.begin_step(d) == events
-        assert d.step.next_size == (min(size, 1e-3) if right else size)
+        assert d.step.next_size == (min(size, 1e-3) if expected else size)
     d.step.next_size, d.step.method = 1e-2, IMPLICIT  # the implicit method measures the size itself
     loop.begin_step(d)
     assert d.step.next_size == 1e-2
@@ -200,7 +200,7 @@ def test_impulses_are_stored_and_begun_anew_at_events(monkeypatch, events, chang
 
 
 @pytest.mark.parametrize(
-    ("status", "given", "goes_on", "right"),
+    ("status", "given", "goes_on", "expected"),
     [
         (OK, (0.5, 1), False, 77),
         (OK, (0.0, 1), False, OK),  # set back
@@ -210,13 +210,13 @@ def test_impulses_are_stored_and_begun_anew_at_events(monkeypatch, events, chang
     ],
 )
 def test_a_change_that_jumps_is_applied_at_the_communication_point(
-    monkeypatch, status, given, goes_on, right
+    monkeypatch, status, given, goes_on, expected
 ):
     d = at_end_of_a_step()
     d.statistics.status, (d.given.motor[0], d.given.pending) = status, given
     monkeypatch.setattr(loop, "inputs_continue", lambda _: goes_on)
     monkeypatch.setattr(loop, "restart", lambda _: 77)
-    assert loop.restart_if_changed(d, 0.0) == d.statistics.status == right
+    assert loop.restart_if_changed(d, 0.0) == d.statistics.status == expected
 
 
 @pytest.mark.parametrize("pulled", [False, True])

@@ -76,17 +76,17 @@ def test_faded_motions_are_cleared_and_others_are_kept(size, sign):
     d.trial.state[0], d.trial.state[velocity_at(3) + 2] = 0.25, -1e-99
     d.trial.state[time_at(3)], d.trial.size = 0.1, 0.1
     last_step.make_last_step(d)
-    found = d.step.state_end
-    assert (found[0], found[velocity_at(3) + 2]) == (0.25, -1e-99)
-    assert np.count_nonzero(found[: dissipated_at(3)]) == 2
-    assert found[dissipated_at(3)] == sign * size
+    state = d.step.state_end
+    assert (state[0], state[velocity_at(3) + 2]) == (0.25, -1e-99)
+    assert np.count_nonzero(state[: dissipated_at(3)]) == 2
+    assert state[dissipated_at(3)] == sign * size
 
 
 def test_a_value_of_zero_keeps_its_derivatives():
     d = SimpleNamespace(link_count=1)
     y = [Dual(number, [1.0, 2.0]) for number in (0.0, 1e-170, 1.0, *[1e-200] * 3)]
     step_control.clear_faded(d, y)
-    assert [getattr(one, "value", one) for one in y] == [0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
+    assert [getattr(component, "value", component) for component in y] == [0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
     assert y[0].slope.tolist() == y[2].slope.tolist() == [1.0, 2.0]
 
 
@@ -127,9 +127,9 @@ def test_a_passage_of_faded_values_is_located(size):
 
 @small
 def test_a_top_of_faded_values_is_found(size):
-    found = maximum.maximum_of(lambda _d, _i, theta: np.float64(size) * (1.0 - (theta - 0.4) ** 2))
+    top_of = maximum.maximum_of(lambda _d, _i, theta: np.float64(size) * (1.0 - (theta - 0.4) ** 2))
     with np.errstate(all="ignore"):
-        top = found(None, 0, 0.5, 0.25, 1.0)
+        top = top_of(None, 0, 0.5, 0.25, 1.0)
     assert finite(top)
     assert 0.9 * size <= top <= size or size < 1e-300
 
@@ -140,9 +140,9 @@ def test_a_top_of_faded_values_is_found(size):
 @small
 @pytest.mark.parametrize("exponent", [0.0, 0.25, 0.5, 1.0, 1.5, 1.7])
 def test_powers_and_their_derivatives_are_finite(size, exponent):
-    found = rules.power_of_penetration(Dual(size, [1.0, -2.0]), Dual(exponent, [0.0, 0.0]))
-    assert found.value == force_formula.power_of_penetration(size, exponent)
-    assert finite(found.value, *found.slope)
+    result = rules.power_of_penetration(Dual(size, [1.0, -2.0]), Dual(exponent, [0.0, 0.0]))
+    assert result.value == force_formula.power_of_penetration(size, exponent)
+    assert finite(result.value, *result.slope)
 
 
 @small
@@ -202,13 +202,13 @@ def test_contradictions_that_have_faded_leave_no_force(size, scale):
 @pytest.mark.parametrize("rate", [*SMALL, -5e-324, -1e-170, -2.0, 0.5, -np.inf])
 def test_the_time_of_an_event_has_finite_derivatives(monkeypatch, rate):
     """−φ′/φ̇; where φ̇ is 0 no derivative exists."""
-    found = duals.reciprocal(rate)
-    assert finite(found)
-    assert found * rate == pytest.approx(1.0) if 1e-300 < abs(rate) < np.inf else found == 0.0
+    quotient = duals.reciprocal(rate)
+    assert finite(quotient)
+    assert quotient * rate == pytest.approx(1.0) if 1e-300 < abs(rate) < np.inf else quotient == 0.0
     gap = Dual(0.0, [3.0, 0.0])
     monkeypatch.setattr(event_times, "clearance_and_rate", lambda *_: (gap, Dual(rate, [0.0, 0.0])))
     delay = event_times.delay_of_crossing(None, 0, ONSET)
-    assert delay.slope.tolist() == [-3.0 * found, 0.0]
+    assert delay.slope.tolist() == [-3.0 * quotient, 0.0]
 
 
 # ---- runs -----------------------------------------------------------------------------------------------

@@ -36,7 +36,7 @@ class Runs:
         count = len(stiffness)
         rows = np.full((count, len(output_indices)), -1.0) if rows is None else rows
         places = np.array([self.word("given", "stiffness")])
-        done = run_each(
+        completed_count = run_each(
             self.d,
             self.words,
             places,
@@ -46,7 +46,7 @@ class Runs:
             rows,
             continuing,
         )
-        return done, rows
+        return completed_count, rows
 
 
 def alone(stiffness, stop=STOP):
@@ -71,8 +71,8 @@ def test_each_run_is_that_of_a_fresh_instance():
         runs.word("peaks", "force"),
         runs.word("peaks", "penetration"),
     ]
-    done, rows = runs.run(stiffness, output_indices)
-    assert done == 3
+    completed_count, rows = runs.run(stiffness, output_indices)
+    assert completed_count == 3
     for row, value in zip(rows, stiffness, strict=True):
         d = alone(value)
         assert d.contact_log.count == 1
@@ -95,11 +95,13 @@ def test_a_run_goes_on_where_a_call_has_paused(monkeypatch):
     looks = [Runs().word("peaks", "force"), Runs().word("step", "end")]
     whole = Runs().run([1e4, 3e4], looks)[1]
     monkeypatch.setattr(entry, "cost_before_pause", lambda _: 60)
-    runs, rows, stiffness, done, calls = Runs(), np.full((2, 2), -1.0), [1e4, 3e4], 0, 0
+    runs, rows, stiffness, completed_count, calls = Runs(), np.full((2, 2), -1.0), [1e4, 3e4], 0, 0
     continuing = 0
-    while done < 2:
-        more, _ = runs.run(stiffness[done:], looks, rows=rows[done:], continuing=continuing)
-        done, continuing, calls = done + more, 1, calls + 1
+    while completed_count < 2:
+        more, _ = runs.run(
+            stiffness[completed_count:], looks, rows=rows[completed_count:], continuing=continuing
+        )
+        completed_count, continuing, calls = completed_count + more, 1, calls + 1
     assert calls > 3
     assert rows.tolist() == whole.tolist()
 

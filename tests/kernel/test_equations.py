@@ -68,15 +68,15 @@ def test_joint_moments_act_on_both_links_with_their_power(base, count, sprung):
     scene, d, y, joints = prepared(base, count)
     d.chain.has_springs = sprung
     dissipated, supplied = equations.set_joint_moments(d, y)
-    found = d.scratch.moment.copy()
+    moments = d.scratch.moment.copy()
     if sprung:
         d.scratch.moment[:] = 0.0
         equations.add_spring_moments(d, y)
-        found -= d.scratch.moment
+        moments -= d.scratch.moment
     damping = np.array([link.joint_damping for link in scene.chain.links])
     relative = joints @ omega_of(d, y)
     expected = joints.T @ (d.inputs.motor[:-1] - damping * relative)
-    np.testing.assert_allclose(found, expected, rtol=1e-11, atol=1e-12)
+    np.testing.assert_allclose(moments, expected, rtol=1e-11, atol=1e-12)
     assert dissipated == pytest.approx(damping @ relative**2, rel=1e-12, abs=1e-300)
     tip = point_jacobian(scene, y[2 : count + 2], count) @ y[count + 2 : 2 * count + 4]
     power = d.inputs.motor[:-1] @ relative + d.inputs.tip_force @ tip

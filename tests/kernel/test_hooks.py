@@ -18,9 +18,9 @@ from chain_impact.scene.scene import load_scene
 from tests.helpers.kernel.plain import record_of
 
 SIZES = {name: 2 + k for k, name in enumerate(COUNTS)}
-FUNCTIONS = [one for _, one in inspect.getmembers(hooks, inspect.isfunction)]
+FUNCTIONS = [member for _, member in inspect.getmembers(hooks, inspect.isfunction)]
 # calls of each hook for every instance of dual numbers: the kernel's functions, in their order
-DONE = {
+NAMES_CALLED = {
     hooks.on_observe: ["set_communication_point_in_step", "fill_outputs", "is_trusted"],
     hooks.on_observe_trial: ["return_to_stored_state", "refill_outputs_but_integrals", "is_trusted"],
     hooks.on_truncate: [
@@ -34,10 +34,10 @@ DONE = {
 }
 ANSWERS = {hooks.are_tangents_sound: 1, hooks.tangent_words: 0}
 # the hooks that make one call for each instance
-ONE = {hooks.on_start: start_tangent, hooks.on_restart: restart_tangent, hooks.on_step: replay}
+SINGLE_CALL = {hooks.on_start: start_tangent, hooks.on_restart: restart_tangent, hooks.on_step: replay}
 
 
-@pytest.mark.parametrize("function", FUNCTIONS, ids=lambda one: one.__name__)
+@pytest.mark.parametrize("function", FUNCTIONS, ids=lambda function: function.__name__)
 def test_a_plain_run_has_hooks_that_do_nothing(function):
     d = record_of(load_scene("four_link_box"))
     before = d.numpy_record.tobytes()
@@ -46,12 +46,12 @@ def test_a_plain_run_has_hooks_that_do_nothing(function):
     assert d.numpy_record.tobytes() == before
 
 
-@pytest.mark.parametrize("function", ONE, ids=lambda one: one.__name__)
+@pytest.mark.parametrize("function", SINGLE_CALL, ids=lambda function: function.__name__)
 def test_a_hook_that_does_one_thing_does_it_with_each(function):
-    assert inspect.getclosurevars(HOOKS[function]).nonlocals == {"act": ONE[function]}
+    assert inspect.getclosurevars(HOOKS[function]).nonlocals == {"act": SINGLE_CALL[function]}
 
 
-@pytest.mark.parametrize("function", DONE, ids=lambda one: one.__name__)
+@pytest.mark.parametrize("function", NAMES_CALLED, ids=lambda function: function.__name__)
 def test_a_hook_does_the_same_with_each_instance_of_dual_numbers(function, monkeypatch):
     called = []
     output = SimpleNamespace(words=[0.0])
@@ -70,7 +70,7 @@ def test_a_hook_does_the_same_with_each_instance_of_dual_numbers(function, monke
 
         return call
 
-    for name in {name for names in DONE.values() for name in names}:
+    for name in {name for names in NAMES_CALLED.values() for name in names}:
         monkeypatch.setattr(entry, name, note(name))
     shared = []
     monkeypatch.setattr(entry, "copy_reason", lambda t, other: shared.append((id(t), id(other))))
@@ -81,7 +81,7 @@ def test_a_hook_does_the_same_with_each_instance_of_dual_numbers(function, monke
     assert shared == ([] if function in ANSWERS else pairs)
     assert answer == {hooks.are_tangents_sound: 1, hooks.tangent_words: 15}.get(function)
     assert [(name, id(t)) for name, t, _ in called] == [
-        (name, id(t)) for t in tangents for name in DONE[function]
+        (name, id(t)) for t in tangents for name in NAMES_CALLED[function]
     ]
     assert all(last == 1.5 for name, _, last in called if name == "set_communication_point_in_step")
 
@@ -119,9 +119,11 @@ def test_slopes_that_cannot_be_trusted_are_none(trusted, status, missing, kept, 
     monkeypatch.setattr(entry, "fill_outputs", lambda t: None)
     monkeypatch.setattr(entry, "is_trusted", lambda t: trusted)
     HOOKS[hooks.on_observe](d)
-    found = [not math.isnan(number) for number in words]
-    assert found == [k % (1 + DIRECTIONS) in {0, *(1 + one for one in kept)} for k in range(len(words))]
+    are_trusted = [not math.isnan(number) for number in words]
+    assert are_trusted == [
+        k % (1 + DIRECTIONS) in {0, *(1 + direction for direction in kept)} for k in range(len(words))
+    ]
 
 
 def test_each_function_has_a_stand_in():
-    assert set(HOOKS) == set(FUNCTIONS) == {*DONE, *ONE}
+    assert set(HOOKS) == set(FUNCTIONS) == {*NAMES_CALLED, *SINGLE_CALL}

@@ -124,7 +124,7 @@ def test_a_start_clears_everything_of_an_earlier_run():
 def test_a_run_begins_anew_whatever_went_before(monkeypatch):
     """The record of a second start equals the first, except for values that are set before any reading."""
     _, d = prepared(springs=True, dampers=True)
-    told = []
+    starts = []
     assert initialize(d, 2.0) == OK
     first = {
         name: d.numpy_record[name].tobytes() for name in ("chain", "law", "step", "statistics", "balance")
@@ -132,9 +132,9 @@ def test_a_run_begins_anew_whatever_went_before(monkeypatch):
     d.step.next_size, d.step.method, d.step.stiff_count, d.impact.last_time = 9.0, 1, 3, 9.0
     d.budget.event_start = d.budget.cost_start = 9.0
     d.step.break_count, d.statistics.steps, d.given.pending, d.scratch.state[:] = 7, 7, 1, 9.0
-    monkeypatch.setattr(hooks, "on_start", told.append)
+    monkeypatch.setattr(hooks, "on_start", starts.append)
     assert initialize(d, 2.0) == OK
-    assert told == [d]
+    assert starts == [d]
     for name, values in first.items():
         assert d.numpy_record[name].tobytes() == values, name
     assert d.step.communication_point == d.step.start == d.step.end == d.impact.last_time == 2.0

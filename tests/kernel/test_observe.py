@@ -86,11 +86,11 @@ def seen_at(theta):
 
 
 @pytest.fixture(params=[0.0, 0.3, 1.0])
-def seen(request):
+def observed(request):
     """Return a moment of a step with the outputs of this moment."""
-    found = seen_at(request.param)
-    fill_outputs(found.d)
-    return found
+    observed = seen_at(request.param)
+    fill_outputs(observed.d)
+    return observed
 
 
 def difference_rate(quantity, y):
@@ -100,16 +100,16 @@ def difference_rate(quantity, y):
     return slope(lambda time: quantity(y + time * along), 0.0, 1e-6)
 
 
-def force_of(seen):
+def force_of(observed):
     """Return the force of the contact inside its wall, and the rate of its penetration."""
-    rate = -difference_rate(lambda y: gaps_of(seen.d, y), seen.y)[IN]
-    return law_force(seen.d, IN, 1e-3, rate)[0], rate
+    rate = -difference_rate(lambda y: gaps_of(observed.d, y), observed.y)[IN]
+    return law_force(observed.d, IN, 1e-3, rate)[0], rate
 
 
-def test_positions_and_velocities_are_those_of_the_state(seen):
-    out, y = seen.d.output, seen.y
-    velocities = difference_rate(lambda y: points_of(seen.d, y), y)
-    np.testing.assert_allclose(out.point_position @ [1.0, 1j], points_of(seen.d, y), rtol=0, atol=1e-12)
+def test_positions_and_velocities_are_those_of_the_state(observed):
+    out, y = observed.d.output, observed.y
+    velocities = difference_rate(lambda y: points_of(observed.d, y), y)
+    np.testing.assert_allclose(out.point_position @ [1.0, 1j], points_of(observed.d, y), rtol=0, atol=1e-12)
     np.testing.assert_allclose(out.point_velocity @ [1.0, 1j], velocities, rtol=0, atol=1e-8)
     np.testing.assert_allclose(out.angle, y[2:HALF], rtol=0, atol=1e-13)
     np.testing.assert_allclose(out.angular_velocity, y[HALF + 2 : 2 * HALF], rtol=0, atol=1e-12)
@@ -117,16 +117,16 @@ def test_positions_and_velocities_are_those_of_the_state(seen):
         np.testing.assert_array_equal(joint, np.diff(link, prepend=0.0))
 
 
-def test_a_contact_has_the_force_of_its_law_and_the_stored_impulse(seen):
-    force, rate = force_of(seen)
-    expected = np.zeros((4, seen.d.candidate_count))
+def test_a_contact_has_the_force_of_its_law_and_the_stored_impulse(observed):
+    force, rate = force_of(observed)
+    expected = np.zeros((4, observed.d.candidate_count))
     expected[:3, IN] = force, 1e-3, rate
     expected[3] = np.arange(
-        seen.d.candidate_count
+        observed.d.candidate_count
     )  # those without contact have the impulse at their last onset
-    expected[3, [IN, OUT]] = [start + rise * seen.theta for start, rise in IMPULSES]
+    expected[3, [IN, OUT]] = [start + rise * observed.theta for start, rise in IMPULSES]
     for name, values in zip(("force", "penetration", "penetration_rate", "impulse"), expected, strict=True):
-        np.testing.assert_allclose(seen.d.output[name], values, rtol=1e-6, atol=1e-7)
+        np.testing.assert_allclose(observed.d.output[name], values, rtol=1e-6, atol=1e-7)
 
 
 def joint_moments(scene, angles, omega):
@@ -141,12 +141,12 @@ def joint_moments(scene, angles, omega):
     return moments
 
 
-def test_accelerations_follow_the_equations_and_not_the_interpolant(seen):
-    scene, d, out = seen.scene, seen.d, seen.d.output
-    angles, omega = seen.y[2:HALF], seen.y[HALF + 2 : 2 * HALF]
+def test_accelerations_follow_the_equations_and_not_the_interpolant(observed):
+    scene, d, out = observed.scene, observed.d, observed.d.output
+    angles, omega = observed.y[2:HALF], observed.y[HALF + 2 : 2 * HALF]
     loads = np.zeros((COUNT + 1, 2))
     normal = np.array([d.candidate.normal_x[IN], d.candidate.normal_y[IN]])
-    loads[d.candidate.point[IN]] = force_of(seen)[0] * normal
+    loads[d.candidate.point[IN]] = force_of(observed)[0] * normal
     moments = joint_moments(scene, angles, omega)
     forces = generalized_force(scene, angles, omega, loads, moments)
     expected = np.linalg.solve(mass_matrix(scene, angles), forces)
@@ -156,13 +156,15 @@ def test_accelerations_follow_the_equations_and_not_the_interpolant(seen):
     np.testing.assert_allclose(out.point_acceleration, vectors(d.scratch.acceleration), rtol=0, atol=0)
 
 
-def test_energies_are_those_of_the_state(seen):
-    d, out, y = seen.d, seen.d.output, seen.y
+def test_energies_are_those_of_the_state(observed):
+    d, out, y = observed.d, observed.d.output, observed.y
     speeds = y[HALF : 2 * HALF]
-    assert out.kinetic == pytest.approx(0.5 * speeds @ mass_matrix(seen.scene, y[2:HALF]) @ speeds, rel=1e-10)
+    assert out.kinetic == pytest.approx(
+        0.5 * speeds @ mass_matrix(observed.scene, y[2:HALF]) @ speeds, rel=1e-10
+    )
     assert out.elastic == pytest.approx(spring_energy(d, y) + elastic_energy(d, IN, 1e-3), rel=1e-9)
     assert out.total == pytest.approx(out.kinetic + out.potential + out.elastic, rel=1e-13)
-    since = seen.theta * SIZE
+    since = observed.theta * SIZE
     assert out.dissipated == pytest.approx(DISSIPATED[0] + DISSIPATED[1] * since, rel=1e-12)
     assert out.supplied == pytest.approx(SUPPLIED[0] + SUPPLIED[1] * since, rel=1e-12)
 
@@ -190,12 +192,12 @@ def test_a_holding_force_is_seen_as_long_as_it_pushes():
 
 def test_an_observer_is_called_with_the_outputs_and_lasting_impacts(monkeypatch):
     d = seen_at(0.3).d
-    d.latest.requested_count, told = 2, []
-    monkeypatch.setattr(hooks, "on_observe", lambda d: told.append(d.output.kinetic))
+    d.latest.requested_count, energies = 2, []
+    monkeypatch.setattr(hooks, "on_observe", lambda d: energies.append(d.output.kinetic))
     d.output.kinetic = -1.0
     observe(d)
-    assert told == [d.output.kinetic]
-    assert told[0] > 0.0
+    assert energies == [d.output.kinetic]
+    assert energies[0] > 0.0
     assert d.latest.end[1] == d.step.communication_point
     assert d.latest.impulse[1] == pytest.approx(7.0 + 0.3 * 0.5 - IN, rel=1e-12)
 

@@ -176,7 +176,7 @@ def check_of_cut(theta):
 
 
 @pytest.mark.parametrize(
-    ("told", "theta", "error", "done"),
+    ("course", "theta", "error", "calls"),
     [
         # a step without an event is only checked
         ({"bends": True, "loss": 0.3}, -1.0, 0.3, [("energy", -1.0)]),
@@ -205,11 +205,11 @@ def check_of_cut(theta):
         ({"bends": False, "loss": 1.05}, 0.4, INACCURATE, [check_of_cut(0.4)[0], *BACK]),
     ],
 )
-def test_a_step_ends_at_its_event(monkeypatch, told, theta, error, done):
+def test_a_step_ends_at_its_event(monkeypatch, course, theta, error, calls):
     """The next size follows from the error of the whole step, and from the cost of the repeated step."""
-    landing = Landing(monkeypatch, **told)
-    assert landing.run(theta) == (error, done)
-    assert error > 1.0 or landing.d.trial.cost_factor == (0.7 if REPEATED[1] in done else 1.0)
+    landing = Landing(monkeypatch, **course)
+    assert landing.run(theta) == (error, calls)
+    assert error > 1.0 or landing.d.trial.cost_factor == (0.7 if REPEATED[1] in calls else 1.0)
 
 
 def test_a_step_that_is_not_accurate_is_not_searched(monkeypatch):

@@ -56,9 +56,9 @@ def scalars(dtype):
 @pytest.mark.parametrize("sizes", SIZES)
 def test_every_scalar_has_eight_bytes_and_none_lie_between_them(sizes):
     dtype = instance_dtype(*sizes)
-    found = list(scalars(dtype))
-    assert {kind for _, kind in found} == {np.dtype(np.float64), np.dtype(np.int64)}
-    assert sorted(offset for offset, _ in found) == list(range(0, dtype.itemsize, WORD))
+    fields = list(scalars(dtype))
+    assert {kind for _, kind in fields} == {np.dtype(np.float64), np.dtype(np.int64)}
+    assert sorted(offset for offset, _ in fields) == list(range(0, dtype.itemsize, WORD))
 
 
 @pytest.mark.parametrize("sizes", SIZES)
@@ -112,15 +112,15 @@ def declared_fields(source):
 
 def several_units(source):
     """Return the names of fields that have another unit or another kind of number in another part."""
-    found = defaultdict(set)
+    units_of = defaultdict(set)
     for _, name, kind, comment in declared_fields(source):
         start = re.match(rf"(?:{UNIT.pattern}(?:, | or )?)+", comment)
         units = UNIT.findall(" ".join([start[0] if start else "", *re.findall(r"\[.*?\]", comment)]))
         if kind.startswith(("INTEGER", "bounded_integer")):
             units = ["integer"]
         if units:
-            found[name].add(frozenset(units))
-    return sorted(name for name, all_units in found.items() if not frozenset.intersection(*all_units))
+            units_of[name].add(frozenset(units))
+    return sorted(name for name, all_units in units_of.items() if not frozenset.intersection(*all_units))
 
 
 def test_the_same_field_name_has_the_same_unit_in_each_part():
@@ -131,7 +131,7 @@ def test_the_same_field_name_has_the_same_unit_in_each_part():
 
 
 @pytest.mark.parametrize(
-    ("other", "found"),
+    ("other", "expected"),
     [
         ("REAL),  # m/s², a bound", ["reach"]),
         ("REAL),  # another length [m or s]", []),
@@ -140,10 +140,10 @@ def test_the_same_field_name_has_the_same_unit_in_each_part():
         ("REAL),  # a ratio", []),
     ],
 )
-def test_another_unit_is_found(other, found):
+def test_another_unit_is_found(other, expected):
     declared = "def {}_dtype():\n    return layout(\n        {}\n    )\n".format
-    one = declared("chain", '# m, the largest\n        # distance\n        ("reach", REAL),')
-    assert several_units(one + declared("other", f'("reach", {other}')) == found
+    chain_lines = declared("chain", '# m, the largest\n        # distance\n        ("reach", REAL),')
+    assert several_units(chain_lines + declared("other", f'("reach", {other}')) == expected
 
 
 def test_a_step_tells_its_method():

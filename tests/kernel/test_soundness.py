@@ -242,8 +242,8 @@ def test_a_record_is_sound_with_what_is_beside_it(monkeypatch):
         (12, ("step", "method"), 7),
     ],
 )
-def test_nor_is_one_behind_it(links, path, value):
-    """The compiled kernel would read instances of dual numbers beyond the record."""
+def test_an_unsound_record_of_dual_numbers_is_refused(links, path, value):
+    """The compiled kernel would read memory beyond the record."""
     scene = table(
         [{"length": 0.1, "mass": 1.0}] * links, box={"y_min": 0.0}, initial={"angles": [1.0] * links}
     )

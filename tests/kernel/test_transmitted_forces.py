@@ -39,8 +39,8 @@ def run(name: str, step: float = 1e-3, **changes):
     return simulate(scene, output_step=step, stop_time=min(1.0, scene.simulation.stop_time), inputs=inputs)
 
 
-def cross(one, other):
-    return one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0]
+def cross(first, other):
+    return first[..., 0] * other[..., 1] - first[..., 1] * other[..., 0]
 
 
 class Links:
@@ -66,14 +66,14 @@ class Links:
 
     def forces_on(self, wall, kind="force"):
         """Return point → force, or impulse, of a wall on the point."""
-        found, normal = {}, np.array(self.scene.half_planes[wall].normal)
+        forces, normal = {}, np.array(self.scene.half_planes[wall].normal)
         for name in self.result.columns:
             owner, _, quantity = name.rpartition(".")
             point = int(owner[8 : owner.index("]")]) if owner.startswith("contact[") else -1
             if point >= 0 and owner.endswith(f"].{wall}") and quantity in (kind, f"friction_{kind}"):
                 along = normal if quantity == kind else np.array([normal[1], -normal[0]])
-                found[point] = found.get(point, 0.0) + np.outer(self.result[name], along)
-        return found
+                forces[point] = forces.get(point, 0.0) + np.outer(self.result[name], along)
+        return forces
 
     def force_at(self, k, kind="force"):
         """Return the force of walls, and of an input at the tip, on point k."""
@@ -106,8 +106,8 @@ def links_of(name: str, step: float = 1e-3) -> Links:
     return Links(result, push)
 
 
-def off(found, right):
-    return np.abs(found - right).max() / max(np.abs(right).max(), 1e-6)
+def off(result, expected):
+    return np.abs(result - expected).max() / max(np.abs(expected).max(), 1e-6)
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -137,8 +137,8 @@ def assert_laws_hold(chain):
         inner, outer = chain.vector(f"point[{i - 1}]."), chain.vector(f"point[{i}].")
         beyond = chain.force_at(i) - chain.of_joint(i + 1)
         # m (a − g) = f_i − f_{i+1} + F_i
-        right = link.mass * (chain.at_center(i, "a") - gravity) - beyond
-        assert off(chain.of_joint(i), right) < 1e-12
+        expected = link.mass * (chain.at_center(i, "a") - gravity) - beyond
+        assert off(chain.of_joint(i), expected) < 1e-12
         # I α = τ_i − τ_{i+1} + (p_{i−1} − C) × f_i + (p_i − C) × (F_i − f_{i+1})
         turned = link.inertia * result[f"link[{i}].angular_acceleration"]
         turned -= cross(inner - center, chain.of_joint(i)) + cross(outer - center, beyond)
@@ -185,9 +185,9 @@ def test_an_impulse_is_the_integral_of_the_force():
     for joint in (2, 3, 4):
         for axis in "xy":
             force = result[f"joint[{joint}].force.{axis}"][flight]
-            right = simpson(force, dx=1e-4)
-            found = result[f"joint[{joint}].impulse.{axis}"][len(force) - 1]
-            assert found == pytest.approx(right, rel=1e-9)
+            expected = simpson(force, dx=1e-4)
+            last_impulse = result[f"joint[{joint}].impulse.{axis}"][len(force) - 1]
+            assert last_impulse == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize("name", ["box", "rigid walls", "driven, stops", "friction", "pinned"])
@@ -196,16 +196,16 @@ def test_a_peak_is_that_of_a_thousand_times_finer_rows(name):
     chain = Links(fine)
     for i in range(chain.first, chain.count + 1):
         sizes = np.hypot(*chain.of_joint(i).T)
-        peaks, found = fine[f"joint[{i}].peak_force"], coarse[f"joint[{i}].peak_force"]
+        peaks, result = fine[f"joint[{i}].peak_force"], coarse[f"joint[{i}].peak_force"]
         assert (peaks >= np.maximum.accumulate(sizes) * (1.0 - 1e-6)).all()
         assert (np.diff(peaks) >= -1e-7 * peaks[-1]).all()
-        assert found == pytest.approx(peaks[::1000], rel=1e-7)
-        assert sizes.max() <= found[-1] * (1.0 + 1e-9)
+        assert result == pytest.approx(peaks[::1000], rel=1e-7)
+        assert sizes.max() <= result[-1] * (1.0 + 1e-9)
         assert_time_of_peak(coarse, i, fine, sizes)
 
 
 def assert_time_of_peak(result, joint, fine, sizes):
-    """In each row, the force in a fine row beside the time of the peak is nearly the peak."""
+    """Assert that each row's peak is nearly the largest force of the fine rows around the time of the peak."""
     peaks, times = (result[f"joint[{joint}].peak_{quantity}"] for quantity in ("force", "time"))
     for row, peak, time in zip(result.time, peaks, times, strict=True):
         beside = (np.abs(fine.time - time) <= 1.01 * fine.time[1]) & (fine.time <= row + 1e-12)
@@ -248,7 +248,7 @@ def test_a_wall_bears_what_its_points_press_on_it(name):
     chain = links_of(name)
     bearing = 0
     for wall in chain.scene.half_planes:
-        place = next((one.point for one in chain.scene.walls if one.name == wall), (0.0, 0.0))
+        place = next((each.point for each in chain.scene.walls if each.name == wall), (0.0, 0.0))
         force, moment = np.zeros((len(chain.result.time), 2)), np.zeros(len(chain.result.time))
         for point, given in chain.forces_on(wall).items():
             force -= given
@@ -263,25 +263,26 @@ def test_a_sweep_has_those_of_the_end():
     names = ["joint[3].impulse.y", "joint[3].peak_force", "wall.y_min.load.y"]
     scene = loaded("driven, stops", **{"simulation.stop_time": 0.6})
     masses = [scene.values["link[4].mass"], 1.5]
-    found = sweep(scene, {"link[4].mass": masses, "contact.stiffness": [1e6, 1e8]}, outputs=names)
-    for row in found.table:
+    result = sweep(scene, {"link[4].mass": masses, "contact.stiffness": [1e6, 1e8]}, outputs=names)
+    for row in result.table:
         varied = {name: row[name] for name in ("link[4].mass", "contact.stiffness")}
-        right = simulate(scene.with_values(varied), output_step=0.6)
-        assert [row[name] for name in names] == [right[name][-1] for name in names]
-    assert len(set(found["joint[3].peak_force"])) == 4
+        expected = simulate(scene.with_values(varied), output_step=0.6)
+        assert [row[name] for name in names] == [expected[name][-1] for name in names]
+    assert len(set(result["joint[3].peak_force"])) == 4
 
 
 @pytest.mark.parametrize("name", CASES)
 def test_the_motion_is_the_same_without_them(name):
     with_loads, without = run(name), run(name, **{"outputs.loads": False})
     assert all(
-        "load" in one or one.startswith("joint") for one in set(with_loads.columns) - set(without.columns)
+        "load" in column_name or column_name.startswith("joint")
+        for column_name in set(with_loads.columns) - set(without.columns)
     )
     for column, values in without.columns.items():
         assert np.array_equal(with_loads[column], values), column
     for field in set(without.impacts.dtype.names) - {"joint_force", "joint"}:
-        known = without.impacts[field]
-        assert np.array_equal(with_loads.impacts[field], known, equal_nan=known.dtype.kind == "f")
+        expected = without.impacts[field]
+        assert np.array_equal(with_loads.impacts[field], expected, equal_nan=expected.dtype.kind == "f")
     assert np.isnan(without.impacts["joint_force"]).all()
     assert not without.impacts["joint"].any()
     assert ("loads    at most" in str(with_loads)) == any(
@@ -309,12 +310,12 @@ def test_derivatives_are_those_of_differences(name, output):
         varied = scene.with_values({parameter: number})
         return simulate(varied, stop_time=0.6, output_step=0.02, inputs=inputs)[output]
 
-    right = slope(changed, value, change)
-    found = result.sensitivity(output, parameter)
+    expected = slope(changed, value, change)
+    derivative = result.sensitivity(output, parameter)
     # the difference is not valid in a row just at an impact
-    quiet = np.abs(right) < 50.0 * np.median(np.abs(right))
+    quiet = np.abs(expected) < 50.0 * np.median(np.abs(expected))
     assert quiet.sum() > 20
-    assert np.abs(found - right)[quiet].max() < 1e-5 * np.abs(right[quiet]).max()
+    assert np.abs(derivative - expected)[quiet].max() < 1e-5 * np.abs(expected[quiet]).max()
 
 
 def test_the_time_of_a_peak_has_the_derivative_of_differences_or_none():
@@ -325,11 +326,14 @@ def test_the_time_of_a_peak_has_the_derivative_of_differences_or_none():
     def changed(number):
         return simulate(scene.with_values({"link[4].mass": number}), **asked)["joint[4].peak_time"]
 
-    found, right = result.sensitivity("joint[4].peak_time", "link[4].mass"), slope(changed, 1.0, 1e-5)
-    known = ~np.isnan(found)
-    assert known.sum() > 20
-    assert known[-1]
-    assert found[known] == pytest.approx(right[known], abs=1e-5 * np.abs(right).max())
+    derivatives, expected = (
+        result.sensitivity("joint[4].peak_time", "link[4].mass"),
+        slope(changed, 1.0, 1e-5),
+    )
+    is_trusted = ~np.isnan(derivatives)
+    assert is_trusted.sum() > 20
+    assert is_trusted[-1]
+    assert derivatives[is_trusted] == pytest.approx(expected[is_trusted], abs=1e-5 * np.abs(expected).max())
     # where two steps meet, only the sample is known, and its time is that of the step
     swing = {
         "outputs.loads": True,
@@ -359,9 +363,9 @@ def test_derivatives_of_a_walls_load_equal_differences(name, wall, parameter, st
 
     def changed(number):
         varied = simulate(scene.with_values({parameter: number}), **asked)
-        return np.array([varied[one] for one in names])
+        return np.array([varied[name] for name in names])
 
-    assert sum(result[one].any() for one in names) == (2 if name == "box" else 3)
-    for one, right in zip(names, slope(changed, value, change), strict=True):
-        found = result.sensitivity(one, parameter)
-        assert np.abs(found - right).max() <= 2e-6 * np.abs(right).max()
+    assert sum(result[output].any() for output in names) == (2 if name == "box" else 3)
+    for output, expected in zip(names, slope(changed, value, change), strict=True):
+        derivative = result.sensitivity(output, parameter)
+        assert np.abs(derivative - expected).max() <= 2e-6 * np.abs(expected).max()

@@ -36,8 +36,8 @@ def test_a_chain_with_armatures_moves_as_the_textbook_says(count, base):
     np.testing.assert_allclose(alpha, book.rate(book.start)[count + 4 :], rtol=1e-12, atol=1e-12)
     result, exact = simulate(scene), book.reached(1.0)
     end = result.outputs[-1]
-    found = [*end["point_position"][0], *end["angle"], *end["point_velocity"][0], *end["angular_velocity"]]
-    np.testing.assert_allclose(found, exact[:-1], rtol=0, atol=1e-10)
+    state = [*end["point_position"][0], *end["angle"], *end["point_velocity"][0], *end["angular_velocity"]]
+    np.testing.assert_allclose(state, exact[:-1], rtol=0, atol=1e-10)
     assert balance(result) < 1e-10
 
 
@@ -61,14 +61,14 @@ def test_a_rigid_wall_meets_the_mass_of_links_and_armatures():
     contact = {"model": "newton_impact", "restitution": 0.6, "points": [2]}
     height = 0.8 * (math.sin(0.3) + math.sin(-1.0)) - 1e-3
     scene = build("Rigid", links, initial, {"y_min": height}, contact, base="pinned", tolerance=TOLERANCE)
-    found = simulate(scene, stop_time=0.1).impacts[0]
-    run = simulate(scene, stop_time=found["onset"], output_step=found["onset"])
+    impact = simulate(scene, stop_time=0.1).impacts[0]
+    run = simulate(scene, stop_time=impact["onset"], output_step=impact["onset"])
     book, angle = DrivenChain(scene), run.angles[-1]
     matrix, _ = book.assemble(angle, np.zeros(2))
     row = book.jacobian(angle, 2)[1]
     mass = 1.0 / (row @ book.answer(matrix, row))
-    assert found["effective_mass"] == pytest.approx(mass, rel=1e-9)
-    after = simulate(scene, stop_time=2.0 * found["onset"])
+    assert impact["effective_mass"] == pytest.approx(mass, rel=1e-9)
+    after = simulate(scene, stop_time=2.0 * impact["onset"])
     assert balance(after) < 1e-9
 
 
@@ -77,11 +77,11 @@ def test_a_stop_meets_the_inertia_of_link_and_armature(law):
     link = ROD | {"joint_armature": 0.7, "joint_max": 0.5}
     stops = {"model": law, "stiffness": 1e5, "exponent": 1.5, "restitution": 1.0}
     result = simulate(chain_with_drives([link], {"angles": [0.0], "angular_velocities": [2.0]}, stops=stops))
-    (found,), inertia = result.impacts, INERTIA + 0.7
-    assert found["effective_mass"] == pytest.approx(inertia, rel=1e-14)
-    assert found["impulse"] == pytest.approx(2.0 * 2.0 * inertia, rel=1e-11)
+    (impact,), inertia = result.impacts, INERTIA + 0.7
+    assert impact["effective_mass"] == pytest.approx(inertia, rel=1e-14)
+    assert impact["impulse"] == pytest.approx(2.0 * 2.0 * inertia, rel=1e-11)
     depth = 0.0 if law == "newton_impact" else (2.5 * 0.5 * inertia * 2.0**2 / 1e5) ** 0.4
-    assert found["max_penetration"] == pytest.approx(depth, rel=1e-11)
+    assert impact["max_penetration"] == pytest.approx(depth, rel=1e-11)
     assert balance(result) < 1e-10
 
 
@@ -115,8 +115,10 @@ def test_derivatives_with_respect_to_an_armature_are_those_of_differences(method
     name = "link[2].joint_armature"
     result = simulate(scene, sensitivities=[name], method=method, tolerance=1e-10, stop_time=0.5)
     exact = differences(scene, name, "point[3].x", tolerance=1e-12, stop_time=0.5)
-    found = result.sensitivity("point[3].x", name)
-    assert np.abs(found - exact).max() < 1e-8 * np.abs(exact).max() * (1 if method == "explicit" else 100)
+    derivative = result.sensitivity("point[3].x", name)
+    assert np.abs(derivative - exact).max() < 1e-8 * np.abs(exact).max() * (
+        1 if method == "explicit" else 100
+    )
 
 
 @pytest.mark.parametrize(("value", "part"), [(-1e-9, ">= 0"), (math.nan, "finite"), ("1", "number")])

@@ -133,12 +133,12 @@ def test_derivatives_by_what_a_body_is_are_those_of_differences(name):
         varied = simulate(body.with_values({name: number}), stop_time=0.4, tolerance=1e-12)
         return np.array([varied[output][-1] for output in outputs])
 
-    for output, right in zip(outputs, slope(ends, body.values[name], 1e-6), strict=True):
-        assert run.sensitivity(output, name)[-1] == pytest.approx(right, rel=1e-5, abs=1e-6)
+    for output, expected in zip(outputs, slope(ends, body.values[name], 1e-6), strict=True):
+        assert run.sensitivity(output, name)[-1] == pytest.approx(expected, rel=1e-5, abs=1e-6)
 
 
 @pytest.mark.parametrize(
-    ("tables", "told"),
+    ("tables", "key"),
     [
         (
             {
@@ -178,6 +178,6 @@ def test_derivatives_by_what_a_body_is_are_those_of_differences(name):
         ),
     ],
 )
-def test_impossible_bodies_are_refused_by_their_key(tables, told):
-    with pytest.raises(SceneError, match=told.replace(".", r"\.")):
+def test_impossible_bodies_are_refused_by_their_key(tables, key):
+    with pytest.raises(SceneError, match=key.replace(".", r"\.")):
         scene(changed(ROD, **tables))

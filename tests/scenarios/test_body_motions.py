@@ -55,13 +55,13 @@ def test_a_body_moves_as_an_independent_model_does(name):
     scene, times = make(), tuple(end / 5 * np.arange(1, 6))
     answer = kept(lambda: as_arrays(motion(scene, times)), "tests.helpers.models.body_model", scene, times)
     exact = from_arrays(answer)
-    found = simulate(scene, end, output_step=end / 5, tolerance=1e-12)
-    assert found.impacts["point"].tolist() == exact.points.tolist()
-    assert found.impacts["wall"].tolist() == exact.walls.tolist()
+    result = simulate(scene, end, output_step=end / 5, tolerance=1e-12)
+    assert result.impacts["point"].tolist() == exact.points.tolist()
+    assert result.impacts["wall"].tolist() == exact.walls.tolist()
     assert len(exact.points) > 0
-    np.testing.assert_allclose(found.impacts["onset"], exact.impacts["onset"], rtol=0.0, atol=1e-9)
+    np.testing.assert_allclose(result.impacts["onset"], exact.impacts["onset"], rtol=0.0, atol=1e-9)
     for quantity in ("peak_force", "max_penetration", "impulse", "impact_speed", "separation_speed"):
-        np.testing.assert_allclose(found.impacts[quantity], exact.impacts[quantity], rtol=1e-7)
+        np.testing.assert_allclose(result.impacts[quantity], exact.impacts[quantity], rtol=1e-7)
     links = range(1, len(scene.chain.links) + 1)
     for output in (*(f"point[{k}].{axis}" for k in (0, *links) for axis in "xy"), "link[1].angle"):
-        np.testing.assert_allclose(found[output][1:], exact.values[output], rtol=0.0, atol=1e-8)
+        np.testing.assert_allclose(result[output][1:], exact.values[output], rtol=0.0, atol=1e-8)

@@ -20,12 +20,12 @@ FIRST = 60  # steps of a run
 
 def steps(scene):
     """Yield the first steps of a run."""
-    one = Instance(scene)
+    instance = Instance(scene)
     for _ in range(FIRST):
-        if not one.record["step"]["end"] < scene.simulation.stop_time:
+        if not instance.record["step"]["end"] < scene.simulation.stop_time:
             return
-        assert one.advance(np.nextafter(one.record["step"]["end"], np.inf)) == OK
-        yield Step(one.record)
+        assert instance.advance(np.nextafter(instance.record["step"]["end"], np.inf)) == OK
+        yield Step(instance.record)
 
 
 def at(step, x):
@@ -43,10 +43,10 @@ def solution(step, x):
 def test_steps_are_proven_and_the_bound_holds(name):
     looked = 0
     for step in list(steps(load_scene(name)))[::6]:
-        verdicts, found = certify(step)
+        verdicts, bound_of_step = certify(step)
         expected = [ONE_EVENT if c in step.marked else NO_EVENT for c in range(len(verdicts))]
         assert verdicts == expected
-        bound = found.error * found.reach
+        bound = bound_of_step.error * bound_of_step.reach
         for x in (0.3 * step.kept, 0.7 * step.kept, step.kept):
             error = np.abs(at(step, x) - solution(step, x))
             assert (error <= bound + 1e-12 * np.abs(at(step, x)) + 1e-15).all()
@@ -78,8 +78,8 @@ def test_a_step_of_other_equations_is_not_proven():
             step.gravity = [0.0, -9.0]
         else:
             step.masses[0][0] *= 1.01
-        verdicts, found = certify(step)
-        assert isinstance(found, str) or found.error > 1e-3, verdicts
+        verdicts, bound_of_step = certify(step)
+        assert isinstance(bound_of_step, str) or bound_of_step.error > 1e-3, verdicts
 
 
 @pytest.mark.parametrize("motion", ["thrown", "spinning"])

@@ -18,15 +18,15 @@ TORQUES = [variable.name for variable in PreparedScene(SCENE).inputs]
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory):
     """Return a function of target and master: time and columns of a co-simulation, which runs once."""
-    done = {}
+    stored_runs = {}
 
     def get(target, master):
-        if (target, master) not in done:
+        if (target, master) not in stored_runs:
             folder = tmp_path_factory.mktemp("co_simulation")
             columns = co_simulated(MODEL, folder, "--target", target, "--master", master)
-            done[target, master] = columns.pop("time"), columns
+            stored_runs[target, master] = columns.pop("time"), columns
             assert (folder / "ControlledArm.png").stat().st_size > 10_000
-        return done[target, master]
+        return stored_runs[target, master]
 
     return get
 

@@ -50,10 +50,10 @@ def grazing():
 def test_a_derivative_is_right_or_not_there(make):
     """From the first impact without a reliable derivative on, it is NaN, and a sentence tells why."""
     case = make()
-    answer, right = kernel_derivatives(case), exact(case)
-    assert len(right.points) == 1
+    answer, exact_values = kernel_derivatives(case), exact(case)
+    assert len(exact_values.points) == 1
     names = state_names(case.scene)
-    slopes = np.stack([right.slopes[name] for name in names], 1)
+    slopes = np.stack([exact_values.slopes[name] for name in names], 1)
     given = answer.slopes[:, : len(names)]
     assert not np.isnan(given[0]).any()
     missing = np.isnan(given[1])
@@ -80,9 +80,9 @@ def test_slow_impacts_that_are_certain_do_not_end_derivatives(name):
     """Rigid bounces accumulate twice before rest; and a corner stands on the floor at the start."""
     mass = ["link[1].mass"]
     assert simulate(name, sensitivities=mass).sensitivity_limits == ()
-    found = compare(load_scene(name), {}, mass)
-    assert found.compared > 3000
-    assert found.wrong[:3] == []
+    comparison = compare(load_scene(name), {}, mass)
+    assert comparison.compared > 3000
+    assert comparison.wrong[:3] == []
 
 
 STANDS = {
@@ -151,12 +151,12 @@ def test_each_reason_has_a_sentence():
 def test_a_puck_that_stops_where_it_is_at_the_limit(share, given):
     """At µ = tan α the puck stays with more friction and slides back with less; stiffness changes neither."""
     assert limits(sloping(share))[0] == ()
-    told, result = limits(sloping(share), ["contact.friction"])
+    limit_sentences, result = limits(sloping(share), ["contact.friction"])
     slopes = result.sensitivity("point[0].x", "contact.friction")
     assert np.isfinite(slopes[-1]) == given
-    assert (told == ()) == given
+    assert (limit_sentences == ()) == given
     if not given:
-        (sentence,) = told
+        (sentence,) = limit_sentences
         assert "the dry friction of point 0 at slope: " in sentence
         assert REASONS_OF_FRICTION[7] in sentence
 
@@ -165,8 +165,8 @@ def test_a_joint_at_its_limit_at_the_start():
     """A pendulum at rest whose weight has exactly the moment of its friction."""
     moment = 0.5 * 9.81 * 0.2
     names = ("link[1].joint_friction",)
-    told, result = limits(dry_link(moment), names)
-    assert "from t = 0 s on, the dry friction of joint 1: " in told[0]
+    limit_sentences, result = limits(dry_link(moment), names)
+    assert "from t = 0 s on, the dry friction of joint 1: " in limit_sentences[0]
     assert np.isnan(result.sensitivity("link[1].angle", "link[1].joint_friction")).all()
     for change in (0.99, 1.01):
         assert limits(dry_link(change * moment), names)[0] == ()
@@ -181,8 +181,8 @@ def test_a_friction_that_is_zero():
         initial={"position": [0.0, 1e-3], "angles": [-0.3], "velocity": [0.1, -0.3]},
         simulation={"stop_time": 0.01, "step_size": 1e-3},
     )
-    told, result = limits(Case(with_two, (), (0.01,)), ["wall.y_min.friction", "link[1].mass"])
-    assert told == (NO_LESS.format(parameter="wall.y_min.friction"),)
+    limit_sentences, result = limits(Case(with_two, (), (0.01,)), ["wall.y_min.friction", "link[1].mass"])
+    assert limit_sentences == (NO_LESS.format(parameter="wall.y_min.friction"),)
     assert np.isnan(result.sensitivity("point[0].x", "wall.y_min.friction")[-1])
     alone = limits(Case(with_two, (), (0.01,)), ["link[1].mass"])[1]
     for name in ("point[0].x", "link[1].angle"):
@@ -196,7 +196,7 @@ def test_a_contact_that_begins_without_sliding(friction, given):
     """Much friction stops a small speed; with less, the point slides backward, so its sign counts."""
     still = {"initial.vx": 0.0, "contact.friction": friction, "simulation.stop_time": 0.1}
     scene = swinging().scene.with_values(still | {"solver.tolerance": 1e-12})
-    told, result = limits(Case(scene, (), (0.1,)), ["initial.vx"])
+    limit_sentences, result = limits(Case(scene, (), (0.1,)), ["initial.vx"])
     names, change, onset = ("point[0].x", "point[0].y", "link[1].angle"), 1e-8, result.impacts["onset"][0]
     slopes = [result.sensitivity(name, "initial.vx")[-1] for name in names]
     by_change = [
@@ -204,12 +204,12 @@ def test_a_contact_that_begins_without_sliding(friction, given):
         for by in (change, -change)
     ]
     if given:
-        assert told == ()
+        assert limit_sentences == ()
         np.testing.assert_allclose(by_change, [slopes] * 2, rtol=2e-2)
     else:
-        assert f"from t = {onset:.7f}" in told[0]
-        assert " s on, the dry friction of point 0 at y_min: " in told[0]
-        assert REASONS_OF_FRICTION[9] in told[0]
+        assert f"from t = {onset:.7f}" in limit_sentences[0]
+        assert " s on, the dry friction of point 0 at y_min: " in limit_sentences[0]
+        assert REASONS_OF_FRICTION[9] in limit_sentences[0]
         assert np.isnan(slopes).all()
         assert by_change[0][0] == pytest.approx(0.1, rel=1e-3)
         assert by_change[1][0] < 0.08
@@ -220,9 +220,12 @@ def test_a_contact_that_begins_without_sliding(friction, given):
 def test_a_joint_that_is_released_at_rest(moment, given):
     """Its weight has a moment of 0.98 N·m: a larger friction stops a small speed, a smaller one does not."""
     case = dry_link(moment)
-    told, _ = limits(case, ["initial.angular_velocity[1]"])
-    assert (told == ()) == given
-    assert given or "from t = 0 s on, the dry friction of joint 1: " + REASONS_OF_FRICTION[9] in told[0]
+    limit_sentences, _ = limits(case, ["initial.angular_velocity[1]"])
+    assert (limit_sentences == ()) == given
+    assert (
+        given
+        or "from t = 0 s on, the dry friction of joint 1: " + REASONS_OF_FRICTION[9] in limit_sentences[0]
+    )
     assert limits(case, ["link[1].joint_friction", "link[1].mass"])[0] == ()
 
 
@@ -321,14 +324,14 @@ def test_two_joints_that_stop_at_one_moment():
 
     A parameter that separates them has none.
     """
-    told, result = limits(symmetric(), ["link[2].mass"])
+    limit_sentences, result = limits(symmetric(), ["link[2].mass"])
     stops = result.stick_slip["start"][result.stick_slip["mode"] == 0]
     assert len(stops) == 2
     assert abs(stops[1] - stops[0]) < 1e-9
-    assert told == ()
-    told, result = limits(symmetric(), ["initial.angular_velocity[1]"])
-    assert REASONS_OF_FRICTION[8] in told[0]
-    assert "the dry friction of joint " in told[0]
+    assert limit_sentences == ()
+    limit_sentences, result = limits(symmetric(), ["initial.angular_velocity[1]"])
+    assert REASONS_OF_FRICTION[8] in limit_sentences[0]
+    assert "the dry friction of joint " in limit_sentences[0]
     assert np.isnan(result.sensitivity("link[1].angle", "initial.angular_velocity[1]")[-1])
     apart = symmetric(**{"initial.angular_velocity[1]": -2.01})
     assert limits(apart, ["initial.angular_velocity[1]"])[0] == ()
@@ -346,14 +349,14 @@ def test_a_joint_that_stops_slowly(less, given):
     case = Case(
         dry_link(friction).scene.with_values(values), (), (0.2,), {"joint[1].torque": (1.0 - less) * friction}
     )
-    told, result = limits(case, ["link[1].joint_friction"])
+    limit_sentences, result = limits(case, ["link[1].joint_friction"])
     assert result.stick_slip["start"][-1] == pytest.approx(0.1, rel=1e-5 if less < 1e-6 else 1e-6)
-    assert (told == ()) == given
+    assert (limit_sentences == ()) == given
     if given:
         slope = result.sensitivity("link[1].angle", "link[1].joint_friction")[-1]
         assert slope == pytest.approx(-0.5 * 0.1**2 / inertia, rel=1e-8)
     else:
-        assert f"the dry friction of joint 1: {REASONS_OF_FRICTION[6]}" in told[0]
+        assert f"the dry friction of joint 1: {REASONS_OF_FRICTION[6]}" in limit_sentences[0]
 
 
 def test_a_chain_that_lies_flat():
@@ -368,11 +371,11 @@ def test_a_chain_that_lies_flat():
     )
     parameters = ("contact.friction", "initial.vx", "gravity.y", "link[2].mass")
     case = Case(scene, parameters, (0.5, 0.9))
-    told, result = limits(case, parameters)
-    assert told == ()
+    limit_sentences, result = limits(case, parameters)
+    assert limit_sentences == ()
     assert [result[f"contact[{k}].y_min.sticking"][-1] for k in range(3)] == [1.0] * 3
     for parameter in ("contact.friction", "initial.vx"):
-        found = result.sensitivity("point[0].x", parameter)[-1]
+        derivative = result.sensitivity("point[0].x", parameter)[-1]
         by_runs = differences(case, parameter)[0][-1][0]
-        assert found == pytest.approx(by_runs, rel=1e-4)
+        assert derivative == pytest.approx(by_runs, rel=1e-4)
         assert abs(result.sensitivity("point[0].vx", parameter)[-1]) < 1e-6

@@ -105,9 +105,9 @@ OF_FRICTION = ("contact.friction", "contact.static_friction", "wall.y_min.fricti
 def state_errors(case, answer):
     """Return relative errors of the state's derivatives, shape (T, P), and of the state, shape (T,)."""
     names = state_names(case.scene)
-    right = exact(case)
-    values = np.stack([right.values[name] for name in names], 1)
-    slopes = np.stack([right.slopes[name] for name in names], 1)
+    model = exact(case)
+    values = np.stack([model.values[name] for name in names], 1)
+    slopes = np.stack([model.slopes[name] for name in names], 1)
     count = len(names)
     errors = [
         [
@@ -122,15 +122,15 @@ def state_errors(case, answer):
 
 def impact_errors(case, answer):
     """Return relative errors of the impacts' derivatives: (field, parameter) → error."""
-    right = exact(case)
+    model = exact(case)
     errors = {}
     for field in FIELDS:
-        finite = ~np.isinf(right.impacts[field])  # the peak force of a rigid impact is infinite
+        finite = ~np.isinf(model.impacts[field])  # the peak force of a rigid impact is infinite
         for k, parameter in enumerate(case.parameters if finite.any() else ()):
             errors[field, parameter] = off(
                 answer.impact_slopes[field][finite, k],
-                right.impact_slopes[field][finite, k],
-                right.impacts[field][finite],
+                model.impact_slopes[field][finite, k],
+                model.impacts[field][finite],
                 size_of(case, parameter),
             )
     return errors
@@ -147,26 +147,26 @@ def worst(errors, names):
 @pytest.mark.parametrize("name", CASES | THROWN)
 def test_a_motion_is_that_of_the_independent_model(name):
     case = (CASES | THROWN)[name]
-    right = exact(case)
+    model = exact(case)
     result = simulate(case.scene, tolerance=1e-13, inputs=case.inputs)
     # six impacts amplify an error of the start 5000 times
     bound = 3e-11 if name in SMOOTH and name != "six" and "kuwabara_kono" not in name else 1e-9
     for field in ("point", "wall"):
-        assert np.array_equal(getattr(right, f"{field}s"), result.impacts[field])
-    assert len(right.points) or len(right.modes)
+        assert np.array_equal(getattr(model, f"{field}s"), result.impacts[field])
+    assert len(model.points) or len(model.modes)
     for field in FIELDS:
-        np.testing.assert_allclose(right.impacts[field], result.impacts[field], rtol=bound, err_msg=field)
+        np.testing.assert_allclose(model.impacts[field], result.impacts[field], rtol=bound, err_msg=field)
     rows = np.searchsorted(result.time, np.array(case.times) - 1e-9)
-    for output in (one for one in result.continuous_columns if not one.endswith("sticking")):
-        found, kind = result[output][rows], output.split(".")[-1]
-        if output not in right.values:  # the friction of a coefficient 0, which the model does not have
+    for output in (name for name in result.continuous_columns if not name.endswith("sticking")):
+        column, kind = result[output][rows], output.split(".")[-1]
+        if output not in model.values:  # the friction of a coefficient 0, which the model does not have
             assert kind.startswith("friction")
-            assert not found.any()
+            assert not column.any()
             continue
         # an acceleration or a force has the speed's error over the duration of a contact
-        largest = max(np.abs(right.values[output]).max(), 1.0)
+        largest = max(np.abs(model.values[output]).max(), 1.0)
         fast = kind in ("ax", "ay", "force", "friction_force", "friction_moment", "angular_acceleration")
-        assert np.abs(found - right.values[output]).max() <= (100.0 if fast else 1.0) * bound * largest, (
+        assert np.abs(column - model.values[output]).max() <= (100.0 if fast else 1.0) * bound * largest, (
             output
         )
 
@@ -176,11 +176,11 @@ def test_modes_of_friction_are_those_of_the_independent_model(name):
     """Each change of a mode has the same time."""
     case = DRY[name]
     phases = simulate(case.scene, tolerance=1e-12, inputs=case.inputs).stick_slip
-    found = np.sort(phases["start"][phases["start"] <= case.times[-1]])
+    mode_starts = np.sort(phases["start"][phases["start"] <= case.times[-1]])
     begun = [time for time, _, mode in exact(case).modes if mode != 2]
     # a phase that begins with its contact has no row if the phase does not start with sticking
-    assert len(found) >= 1
-    assert all(np.abs(np.array(begun) - time).min() < 1e-7 for time in found)
+    assert len(mode_starts) >= 1
+    assert all(np.abs(np.array(begun) - time).min() < 1e-7 for time in mode_starts)
 
 
 # --- derivatives at a sharp tolerance ----------------------------------------------------------------------
@@ -214,9 +214,9 @@ def test_a_state_is_differentiated_to_eight_digits(name):
 @pytest.mark.parametrize("name", SMOOTH)
 def test_impacts_are_differentiated_to_eight_digits(name):
     case = CASES[name]
-    answer, right = kernel_derivatives(case), exact(case)
-    assert np.array_equal(answer.impacts["point"], right.points)
-    assert np.array_equal(answer.impacts["wall"], right.walls)
+    answer, model = kernel_derivatives(case), exact(case)
+    assert np.array_equal(answer.impacts["point"], model.points)
+    assert np.array_equal(answer.impacts["wall"], model.walls)
     errors = {
         key: error for key, error in impact_errors(case, answer).items() if error > IMPACTS.get(name, EXACT)
     }
@@ -251,11 +251,11 @@ def test_a_constant_of_a_joint_that_is_zero_may_vary(method):
 def test_derivatives_of_forces_impulses_and_energy_of_friction(name):
     """Errors are relative to the largest effect of any parameter on the output."""
     case = CASES[name]
-    right, answer = exact(case), kernel_derivatives(case)
+    model, answer = exact(case), kernel_derivatives(case)
     units = np.array([size_of(case, parameter) for parameter in case.parameters])
     for j, output in enumerate(outputs_of(case)):
         if "friction" in output:
-            expected = right.slopes[output] * units
+            expected = model.slopes[output] * units
             largest = max(np.abs(expected).max(), 1e-3)
             assert np.abs(answer.slopes[:, j] * units - expected).max() < 1e-7 * largest, output
 
@@ -267,17 +267,17 @@ def test_derivatives_of_forces_impulses_and_energy_of_friction(name):
 def test_derivatives_are_those_of_differences(name):
     """Besides complex steps: differences of whole runs with other values."""
     case = CASES[name]
-    right, names, tried = exact(case), state_names(case.scene), case.parameters
+    model, names, tried = exact(case), state_names(case.scene), case.parameters
     if name in DRY:
-        tried = [one for one in OF_FRICTION if one in case.parameters and case.value(one)]
+        tried = [output for output in OF_FRICTION if output in case.parameters and case.value(output)]
     positive = ("joint_damping", "joint_stiffness", "radius")
     for parameter in tried:
         if parameter.endswith(positive) and case.value(parameter) == 0.0:
             continue  # the value cannot be negative
         k, by_state = case.parameters.index(parameter), differences(case, parameter)[0]
         for t in range(len(case.times)):
-            expected = np.array([right.slopes[one][t, k] for one in names])
-            values = np.array([right.values[one][t] for one in names])
+            expected = np.array([model.slopes[output][t, k] for output in names])
+            values = np.array([model.values[output][t] for output in names])
             bound = 5e-5 if name == "sprung" else 1e-6  # runs with overlapping contacts are less smooth
             assert off(by_state[t], expected, values, size_of(case, parameter)) < bound, parameter
 
@@ -347,9 +347,9 @@ def test_the_power_of_any_law_of_the_family(exponent):
     by_factor = (1 / (1 + factor) + rebound / (1 - factor * rebound) - 1 - rebound) / (
         factor - factor / (1 - factor * rebound)
     )
-    found = slope["separation_speed"][0]
-    np.testing.assert_allclose(found[2], 2.0 * by_factor * -1.6 / 0.25, rtol=1e-6)
-    np.testing.assert_allclose(found[:2], 0.0, atol=1e-6)
+    derivatives = slope["separation_speed"][0]
+    np.testing.assert_allclose(derivatives[2], 2.0 * by_factor * -1.6 / 0.25, rtol=1e-6)
+    np.testing.assert_allclose(derivatives[:2], 0.0, atol=1e-6)
 
 
 # --- conserved quantities -----------------------------------------------------------------------------------
@@ -391,14 +391,14 @@ def test_simulate_tells_the_same():
     assert plain.outputs.tobytes() == result.outputs.tobytes()
     assert plain.impacts.tobytes() == result.impacts.tobytes()
     assert result.sensitivity_limits == ()
-    right = exact(case)
+    model = exact(case)
     rows = [3, 6, 9, 12]
     for parameter in ("contact.stiffness", "link[2].mass", "initial.angle[3]"):
         k, unit = case.parameters.index(parameter), size_of(case, parameter)
         for name in ("point[4].x", "energy.dissipated", "contact[2].y_min.impulse"):
             slopes = result.sensitivity(name, parameter)
             assert slopes.shape == result.time.shape
-            assert off(slopes[rows], right.slopes[name][:, k], right.values[name], unit) < 1e-6
+            assert off(slopes[rows], model.slopes[name][:, k], model.values[name], unit) < 1e-6
         for field in FIELDS:
             slopes = result.impact_sensitivity(field, parameter)
-            assert off(slopes, right.impact_slopes[field][:, k], right.impacts[field], unit) < 1e-6
+            assert off(slopes, model.impact_slopes[field][:, k], model.impacts[field], unit) < 1e-6

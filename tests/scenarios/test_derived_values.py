@@ -13,9 +13,9 @@ from tests.helpers.campaigns.random_scenes import RUBBED, SLANTED, SPRUNG, STOPP
 from tests.helpers.scenes.derived_scenes import FINGER, PARAMETER_CHANGES, edited, finger
 
 
-def assert_same_impacts(found, expected):
+def assert_same_impacts(result, expected):
     """Assert that the impacts are equal in every bit, also impacts without an end."""
-    assert found.tobytes() == expected.tobytes()
+    assert result.tobytes() == expected.tobytes()
 
 
 each_change = pytest.mark.parametrize("changes", PARAMETER_CHANGES, ids=str)
@@ -23,9 +23,9 @@ each_change = pytest.mark.parametrize("changes", PARAMETER_CHANGES, ids=str)
 
 @each_change
 def test_a_run_with_values_set_is_that_of_the_edited_file(changes):
-    found, expected = simulate(finger().with_values(changes)), simulate(edited(FINGER, changes))
-    assert_same_impacts(found.impacts, expected.impacts)
-    np.testing.assert_array_equal(found.outputs, expected.outputs)
+    result, expected = simulate(finger().with_values(changes)), simulate(edited(FINGER, changes))
+    assert_same_impacts(result.impacts, expected.impacts)
+    np.testing.assert_array_equal(result.outputs, expected.outputs)
     assert len(expected.impacts) > 3
     assert simulate(finger()).impacts.tobytes() != expected.impacts.tobytes()
 
@@ -86,12 +86,12 @@ def test_the_command_line_gives_what_the_edited_file_gives(tmp_path, capsys):
     text = FINGER.replace("length = 0.5\n", "length = 0.55\n")
     (tmp_path / "before.toml").write_text(FINGER)
     (tmp_path / "after.toml").write_text(text)
-    told = []
+    outputs = []
     for arguments in (["before.toml", "--set", "link[1].length=0.55"], ["after.toml"]):
         file, *others = arguments
         assert cli.main(["simulate", str(tmp_path / file), *others]) == 0
-        told.append(capsys.readouterr().out)
-    assert told[0] == told[1]
+        outputs.append(capsys.readouterr().out)
+    assert outputs[0] == outputs[1]
 
 
 @pytest.mark.parametrize(
@@ -113,8 +113,8 @@ def test_a_derivative_is_that_of_the_edited_file(name):
         result = simulate(edited(text, {name: value + sign * step}))
         values[sign] = np.array([result.columns[output] for output in outputs])
     wanted = (values[1] - values[-1]) / (2.0 * step)
-    found = DifferentiatedRun(scene, [name], outputs).run(np.array([value]), result.time)
-    slopes, until = found.slopes[:, :, 0].T, result.time < 0.12
+    run = DifferentiatedRun(scene, [name], outputs).run(np.array([value]), result.time)
+    slopes, until = run.slopes[:, :, 0].T, result.time < 0.12
     size = np.abs(wanted[:, until]).max(axis=1)
     assert (size > 0.0).all()
     assert (np.abs(slopes - wanted)[:, until].max(axis=1) < 1e-5 * size).all()
@@ -128,13 +128,13 @@ def test_a_derivative_by_the_length_is_the_sum_of_those_with_the_rest_held():
     values = np.array([given.values[name] for name in names])
     parts = DifferentiatedRun(given, names, outputs).run(values, times).slopes
     of = [names[0], names[3]]
-    found = DifferentiatedRun(finger(), of, outputs).run(values[[0, 3]], times).slopes
+    result = DifferentiatedRun(finger(), of, outputs).run(values[[0, 3]], times).slopes
     length, _, _, mass = values
     by_length = parts[..., 0] + parts[..., 1] / 2.0 + mass * length / 6.0 * parts[..., 2]
     by_mass = parts[..., 3] + length**2 / 12.0 * parts[..., 2]
     for k, expected in enumerate((by_length, by_mass)):
         scale = np.nanmax(np.abs(expected), axis=0)
-        np.testing.assert_allclose(found[..., k] / scale, expected / scale, rtol=0.0, atol=1e-10)
+        np.testing.assert_allclose(result[..., k] / scale, expected / scale, rtol=0.0, atol=1e-10)
 
 
 def test_a_scene_with_all_given_changes_nothing_else():
@@ -175,7 +175,7 @@ def test_random_scenes_have_the_record_of_the_edited_file(kind):
             number, key = name.removeprefix("link[").split("].")
             edited_data["chain"]["links"][int(number) - 1][key] = value
         try:
-            before, wanted = (scene_from_dict(one, "Random") for one in (data, edited_data))
+            before, wanted = (scene_from_dict(contents, "Random") for contents in (data, edited_data))
         except SceneError:  # a longer link may start in a wall, and a point mass may rotate freely
             continue
         assert before.with_values(changes) == wanted

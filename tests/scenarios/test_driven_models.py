@@ -51,8 +51,8 @@ def test_impacts_on_the_table_are_those_of_the_map():
     """Ten impacts agree within 1e-11 s each."""
     start = TABLE.initial.position[1], TABLE.initial.velocity[1]
     exact = driven.table_impacts(start, SWING.amplitude, OMEGA, TABLE.contact.restitution, 10)
-    found = simulate(TABLE, 1.1, tolerance=1e-12).impacts["onset"]
-    np.testing.assert_allclose(found[:10], exact, rtol=0, atol=1e-11)
+    result = simulate(TABLE, 1.1, tolerance=1e-12).impacts["onset"]
+    np.testing.assert_allclose(result[:10], exact, rtol=0, atol=1e-11)
 
 
 @pytest.mark.parametrize(("acceleration", "period"), [(1.3, 1), (1.5, 1), (1.55, 2), (1.6, 2), (1.75, None)])

@@ -107,9 +107,9 @@ def test_derivatives_of_a_bounce_on_a_moving_floor_equal_differences(model):
     assert len(result.impacts) >= 1
     for name in names:
         step = 3e-3 * max(abs(scene.values.get(name) or 0.0), 0.01)
-        right = slope(lambda by, name=name: run(name, by)["link[2].angle"], 0.0, step, 6)
-        found = result.sensitivity("link[2].angle", name)
-        assert np.abs(found - right)[-1] < 1e-8 * max(1.0, np.abs(right).max()), name
+        expected = slope(lambda by, name=name: run(name, by)["link[2].angle"], 0.0, step, 6)
+        derivative = result.sensitivity("link[2].angle", name)
+        assert np.abs(derivative - expected)[-1] < 1e-8 * max(1.0, np.abs(expected).max()), name
 
 
 def test_the_derivative_by_the_position_of_a_base_moves_all_points():
@@ -135,19 +135,21 @@ def test_an_initial_position_is_that_of_a_base_that_moves():
 
 def test_velocities_that_are_given_without_positions_are_integrated():
     chain, step = Chain(room(walls=("y_min",))), 1.0 / 128
-    found = []
+    positions = []
     for speed in (0.1, 0.3, 0.0):
         chain.set("wall.y_min.velocity", speed)
         for _ in range(8):
             chain.step(step)
-        found.append(chain.get("wall.y_min.position"))
+        positions.append(chain.get("wall.y_min.position"))
     # the first velocity acts at once, and each other velocity after one step
-    assert np.diff(found) == pytest.approx([0.3 * 8 * step - 0.2 * step / 2, 0.3 * step / 2], abs=1e-15)
-    assert found[0] == pytest.approx(0.1 * 8 * step, abs=1e-15)
-    chain.set({"wall.y_min.displacement": found[-1] + 0.001, "wall.y_min.velocity": 0.1})
+    assert np.diff(positions) == pytest.approx([0.3 * 8 * step - 0.2 * step / 2, 0.3 * step / 2], abs=1e-15)
+    assert positions[0] == pytest.approx(0.1 * 8 * step, abs=1e-15)
+    chain.set({"wall.y_min.displacement": positions[-1] + 0.001, "wall.y_min.velocity": 0.1})
     for _ in range(8):
         chain.step(step)
-    assert chain.get("wall.y_min.position") == pytest.approx(found[-1] + 0.001 + 0.1 * 8 * step, abs=1e-15)
+    assert chain.get("wall.y_min.position") == pytest.approx(
+        positions[-1] + 0.001 + 0.1 * 8 * step, abs=1e-15
+    )
 
 
 def test_an_acceleration_that_is_given_alone_changes_the_velocity():

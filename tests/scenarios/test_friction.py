@@ -134,11 +134,11 @@ def test_redundant_contacts_share_and_hold_through_ten_pushes(body):
     expected = [exact.at(time)[0] for time in result.time[start:]]
     np.testing.assert_allclose(moved, expected, rtol=0.0, atol=1e-13)
     changes = np.unique(np.round([time for time, _ in exact.changes()], 10))
-    found = np.unique(
+    times = np.unique(
         np.round([phase["start"] for phase in result.stick_slip if phase["start"] > SETTLED - 1e-3], 10)
     )
-    assert len(found) == 20
-    assert found == pytest.approx(changes, abs=1e-9)
+    assert len(times) == 20
+    assert times == pytest.approx(changes, abs=1e-9)
 
 
 @pytest.mark.parametrize("slide", [0.3, -2.0])
@@ -243,10 +243,10 @@ def test_an_impact_with_friction_tends_to_its_closed_form(seeds):
             rubbed = result[f"contact[{impact['point']}].y_min.friction_impulse"][-1]
             lost = result["energy.dissipated"][-1]
             values[stiffness] = np.array([impact["impulse"], rubbed, impact["separation_speed"], lost])
-        found = extrapolated(values[SOFT], values[STIFF], STIFF / SOFT)
-        right = np.array([exact.normal, exact.tangential, exact.separation, exact.dissipated])
+        limit = extrapolated(values[SOFT], values[STIFF], STIFF / SOFT)
+        closed_form = np.array([exact.normal, exact.tangential, exact.separation, exact.dissipated])
         unit = exact.normal, exact.normal, strike.approach, 0.5 * exact.normal * strike.approach
-        off.append(np.abs(found - right) / unit)
+        off.append(np.abs(limit - closed_form) / unit)
         assert lost > 0.0, seed
         sign = int(np.sign(strike.sliding))
         expected = [{"slip": sign, "stick": 0, "reverse": -sign}[phase] for phase in exact.phases]
@@ -386,8 +386,12 @@ def test_a_short_phase_of_sticking_between_two_stages_is_found(scene, tolerance)
         initial={"position": [0.0, 0.7]} | start,
     )
     result = simulate(thrown, stop_time=phase[1] + 0.01, tolerance=tolerance, output_step=1e-4)
-    found = [[one["start"], one["end"]] for one in result.stick_slip if one["mode"] == 0]
-    assert any(one == pytest.approx(phase, abs=tolerance + 1e-7) for one in found)
+    phases = [
+        [listed_phase["start"], listed_phase["end"]]
+        for listed_phase in result.stick_slip
+        if listed_phase["mode"] == 0
+    ]
+    assert any(listed_phase == pytest.approx(phase, abs=tolerance + 1e-7) for listed_phase in phases)
     dissipated = result["energy.dissipated"]
     assert np.diff(dissipated).min() > -tolerance * dissipated[-1]
 

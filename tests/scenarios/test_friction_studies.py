@@ -14,10 +14,10 @@ HINT = "it is a parameter if the scene has this dry friction: give it a value in
 
 
 def test_laws_are_compared_with_friction_but_for_rigid_walls():
-    found = compare(puck(), laws=["flores", "zhang_sharf", "newton_impact"])
-    assert found["newton_impact"].result is None
-    assert found["newton_impact"].note.startswith("contact.friction = 0.2 must be 0 for the contact model")
-    assert found["flores"].result["energy.friction"][-1] > 0.5
+    result = compare(puck(), laws=["flores", "zhang_sharf", "newton_impact"])
+    assert result["newton_impact"].result is None
+    assert result["newton_impact"].note.startswith("contact.friction = 0.2 must be 0 for the contact model")
+    assert result["flores"].result["energy.friction"][-1] > 0.5
 
 
 @pytest.mark.parametrize("scene", [thrown(), load_scene("rod_drop")], ids=["friction", "no friction"])
@@ -63,10 +63,10 @@ def measured():
 @pytest.mark.parametrize("start", [0.1, 0.35])
 def test_a_coefficient_is_fitted_to_a_measured_motion(start):
     """The puck slides up and back down, because µ < tan β."""
-    found = fit(puck(**{"contact.friction": start}), measured(), ["contact.friction"])
-    assert found.converged
-    error = found.standard_errors["contact.friction"]
-    assert abs(found.values["contact.friction"] - 0.2) < 4.0 * error
+    result = fit(puck(**{"contact.friction": start}), measured(), ["contact.friction"])
+    assert result.converged
+    error = result.standard_errors["contact.friction"]
+    assert abs(result.values["contact.friction"] - 0.2) < 4.0 * error
     assert error < 1e-4
     assert np.tan(SLOPE) > 0.35
 

@@ -53,8 +53,8 @@ def impacts(frequency, count):
     """Return the times [s] of the first impacts of m ẍ + k x = F cos ωt, from x = 0, by Newton's method."""
     omega, own = 2.0 * math.pi * frequency, math.sqrt(STIFFNESS / MASS)
     steady = FORCE / MASS / (own**2 - omega**2)  # m
-    time, speed, found = 0.0, 0.3, []
-    while len(found) < count:
+    time, speed, times = 0.0, 0.3, []
+    while len(times) < count:
         # x = A cos ωt + a cos ω₀s + b sin ω₀s, s since the last impact at x = 0
         a = -steady * math.cos(omega * time)
         b = (speed + steady * omega * math.sin(omega * time)) / own
@@ -71,8 +71,8 @@ def impacts(frequency, count):
             place, rate = motion(s)
             s -= place / rate
         time, speed = time + s, -RESTITUTION * motion(s)[1]
-        found.append(time)
-    return np.array(found)
+        times.append(time)
+    return np.array(times)
 
 
 @pytest.mark.full("more cases", but=1)
@@ -80,5 +80,5 @@ def impacts(frequency, count):
 def test_four_hundred_impacts_are_those_in_closed_form(frequency):
     exact = impacts(frequency, IMPACTS)
     scene = parse_scene(TEXT, "oscillator.toml").with_values({"signal.push.frequency": frequency})
-    found = simulate(scene, exact[-1] + 0.01, output_step=math.inf).impacts["onset"]
-    np.testing.assert_allclose(found[:IMPACTS], exact, rtol=0.0, atol=1e-10)
+    result = simulate(scene, exact[-1] + 0.01, output_step=math.inf).impacts["onset"]
+    np.testing.assert_allclose(result[:IMPACTS], exact, rtol=0.0, atol=1e-10)

@@ -189,13 +189,13 @@ def test_a_limit_of_zero_is_no_drive():
 
 def functions_of(scene, seed=5):
     """Return smooth inputs for all joints."""
-    rng, found = np.random.default_rng(seed), {}
+    rng, functions = np.random.default_rng(seed), {}
     for i in range(1 if scene.chain.base == "pinned" else 2, len(scene.chain.links) + 1):
         size, pace = rng.uniform(0.2, 1.0), rng.uniform(2.0, 8.0)
-        found[f"joint[{i}].target_angle"] = lambda t, a=size, w=pace: a * math.sin(w * t)
-        found[f"joint[{i}].target_velocity"] = lambda t, a=size, w=pace: a * w * math.cos(w * t)
-        found[f"joint[{i}].torque"] = lambda t, a=size: a * math.cos(3.0 * t)
-    return found
+        functions[f"joint[{i}].target_angle"] = lambda t, a=size, w=pace: a * math.sin(w * t)
+        functions[f"joint[{i}].target_velocity"] = lambda t, a=size, w=pace: a * w * math.cos(w * t)
+        functions[f"joint[{i}].torque"] = lambda t, a=size: a * math.cos(3.0 * t)
+    return functions
 
 
 BOTH = {"inputs": {"joint_targets": True, "joint_torques": True}}
@@ -221,8 +221,8 @@ def check_against_the_textbook(scene, stop_time, method, inputs=None):
     tolerance = 1e-9 if method == "implicit" else TOLERANCE
     result = simulate(scene, stop_time, inputs=inputs, method=method, tolerance=tolerance)
     end = result.outputs[-1]
-    found = [*end["point_position"][0], *end["angle"], *end["point_velocity"][0], *end["angular_velocity"]]
-    np.testing.assert_allclose([*found, end["supplied"]], exact, rtol=0, atol=100 * tolerance)
+    state = [*end["point_position"][0], *end["angle"], *end["point_velocity"][0], *end["angular_velocity"]]
+    np.testing.assert_allclose([*state, end["supplied"]], exact, rtol=0, atol=100 * tolerance)
     assert balance(result) < 1e3 * tolerance
 
 
@@ -255,8 +255,8 @@ def test_derivatives_through_limits_are_those_of_differences(method):
 
     for name, step in VARIED.items():
         exact = slope(partial(run, name), 0.0, step, 6)
-        found = result.sensitivity("point[3].x", name)
-        assert np.abs(found - exact).max() < 1e-8 * np.abs(exact).max(), name
+        derivative = result.sensitivity("point[3].x", name)
+        assert np.abs(derivative - exact).max() < 1e-8 * np.abs(exact).max(), name
 
 
 @pytest.mark.parametrize("method", ["auto", "explicit", "implicit"])
@@ -307,10 +307,10 @@ def test_derivatives_hold_where_targets_and_stiffness_are_set_on_the_way():
         chain.step_to(0.7)
         return chain
 
-    found = end()
+    end_chain = end()
     for name, step in steps.items():
         exact = slope(lambda by, name=name: end(name, by).get("point[2].x"), 0.0, step, 6)
-        result = found.get(f"sensitivity.{name}.point[2].x")
+        result = end_chain.get(f"sensitivity.{name}.point[2].x")
         assert result == pytest.approx(exact, rel=1e-7), name
         assert abs(result) > 1e-5
 
@@ -359,11 +359,11 @@ def test_loads_of_a_very_stiff_servo_are_as_accurate_as_the_docs_say():
         f"joint[{i}].target_angle": lambda t, start=start: start + 0.3 * np.sin(7.0 * t)
         for i, start in zip(links, angles, strict=True)
     }
-    found, exact = (
+    loads_of_run, exact = (
         simulate(scene, inputs=inputs, stop_time=0.3, output_step=1e-3, tolerance=tolerance)
         for tolerance in (scene.solver.tolerance, 1e-12)
     )
     loads = [f"joint[{i}].{load}" for i in links for load in ("force.x", "force.y", "moment")]
-    off = [np.abs(found[name] - exact[name]).max() / np.abs(exact[name]).max() for name in loads]
+    off = [np.abs(loads_of_run[name] - exact[name]).max() / np.abs(exact[name]).max() for name in loads]
     # the stiffness amplifies the rounding errors of the followed angles, which depend on the processor
     assert 1e-7 < max(off) < 1e-4

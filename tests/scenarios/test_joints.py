@@ -93,7 +93,7 @@ def test_a_free_base_has_no_spring():
     initial = {"angles": [0.4, 1.0], "angular_velocities": [1.0, -1.0]}
     scene = sprung(links, initial, base="free")
     without = with_values(scene, {"link[1].joint_stiffness": 0.0, "link[1].joint_rest_angle": 2.0})
-    results = [simulate(one) for one in (scene, without)]
+    results = [simulate(each) for each in (scene, without)]
     np.testing.assert_array_equal(results[0].outputs, results[1].outputs)
     momentum, spin = momenta(results[0])
     assert np.ptp(momentum, axis=0).max() < 1e-8

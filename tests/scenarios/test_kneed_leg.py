@@ -53,5 +53,5 @@ def test_the_knee_then_leans_on_its_stop_as_a_locked_leg_does():
     for row in np.flatnonzero(late)[::50]:
         q, w = np.split(walker.locked.sol(result.time[row]), 2)
         turns = LOCK @ np.linalg.solve(*equations(STRAIGHT, q, w, walker.g))
-        matrix, right = equations(BENT, LOCK @ q, LOCK @ w, walker.g)
-        assert moment[row] == pytest.approx((matrix @ turns - right)[2], abs=1e-10)
+        matrix, forces = equations(BENT, LOCK @ q, LOCK @ w, walker.g)
+        assert moment[row] == pytest.approx((matrix @ turns - forces)[2], abs=1e-10)

@@ -100,10 +100,10 @@ def test_a_law_that_is_not_that_of_the_scene_is_pointed_at(law, tmp_path):
     text = (models_folder() / "rod_drop" / "scene.toml").read_text(encoding="utf-8")
     scene.write_text(text.replace("[contact]", f"[contact]\nlaw_file = '{law(DAMPED)}'"), encoding="utf-8")
     with pytest.warns(SceneWarning) as caught:
-        found = load_scene(scene)
-    said = 'contact.law_file gives the law damped, but contact.model is "zhang_sharf"'
-    assert [str(warning.message) for warning in caught] == [f"{scene}: {said}"]
-    assert found.with_values({"contact.model": "damped"}).contact.model == "damped"
+        loaded = load_scene(scene)
+    hint = 'contact.law_file gives the law damped, but contact.model is "zhang_sharf"'
+    assert [str(warning.message) for warning in caught] == [f"{scene}: {hint}"]
+    assert loaded.with_values({"contact.model": "damped"}).contact.model == "damped"
 
 
 @needs_compilers

@@ -102,8 +102,8 @@ MEASURED = {"golf_ball": {"measured.csv"}, "triple_pendulum": {"measured.csv", "
 
 def compute_reference(model):
     scene, inputs, step = load_scene(model), inputs_of(model), STEPS.get(model, STEP)
-    found = simulate(scene, output_step=step, tolerance=1e-12, method="explicit", inputs=inputs)
-    return Recording(found.name, found.time, found.continuous_columns)
+    result = simulate(scene, output_step=step, tolerance=1e-12, method="explicit", inputs=inputs)
+    return Recording(result.name, result.time, result.continuous_columns)
 
 
 def coordinates(columns, links):
@@ -144,11 +144,11 @@ def test_the_reference_agrees_with_an_independent_integration(model):
     for name in filter(PreparedScene(scene).output_index.__contains__, compared):
         assert columns[name][rows] == pytest.approx(exact.values[name], abs=error * scale(name)), name
     until = time[rows[-1]]
-    found = simulate(scene, stop_time=until, tolerance=1e-12, method="explicit", inputs=inputs).impacts
-    assert found["point"].tolist() == exact.points.tolist()
-    assert found["wall"].tolist() == exact.walls.tolist()
-    assert found["onset"] == pytest.approx(exact.impacts["onset"], abs=error)
-    assert found["impact_speed"] == pytest.approx(exact.impacts["impact_speed"], abs=100 * error)
+    result = simulate(scene, stop_time=until, tolerance=1e-12, method="explicit", inputs=inputs).impacts
+    assert result["point"].tolist() == exact.points.tolist()
+    assert result["wall"].tolist() == exact.walls.tolist()
+    assert result["onset"] == pytest.approx(exact.impacts["onset"], abs=error)
+    assert result["impact_speed"] == pytest.approx(exact.impacts["impact_speed"], abs=100 * error)
 
 
 @pytest.mark.full("more cases", but=16)
@@ -160,8 +160,8 @@ def test_a_simulation_with_the_default_tolerance_agrees_with_the_reference(model
     assert fresh.continuous_columns.keys() >= columns.keys(), "newer outputs may be missing in the reference"
     assert fresh.time == pytest.approx(time, abs=1e-12)
     links = len(scene.chain.links)
-    found, expected = coordinates(fresh.columns, links), coordinates(columns, links)
-    for now, then, error in zip(found, expected, REGRESSION_ERROR[model], strict=True):
+    result, expected = coordinates(fresh.columns, links), coordinates(columns, links)
+    for now, then, error in zip(result, expected, REGRESSION_ERROR[model], strict=True):
         assert now == pytest.approx(then, abs=error)
 
 

@@ -251,10 +251,10 @@ def test_walls_are_drawn_where_they_are(tmp_path):
 
 def test_reference_results_have_velocities_of_their_motions(recwarn):
     scene = pendulum(box={"y_min": -1.0}, inputs={"base_motion": True, "wall_motion": True})
-    found = reference(PreparedScene(scene))
+    result = reference(PreparedScene(scene))
     assert not [warning for warning in recwarn if warning.category is SceneWarning]
-    assert len(found.times) > 50
-    step, inputs = found.times[1], found.inputs
+    assert len(result.times) > 50
+    step, inputs = result.times[1], result.inputs
     for position, velocity in (("base.y", "base.vy"), ("wall.y_min.displacement", "wall.y_min.velocity")):
         slope = np.gradient(inputs[position], step, edge_order=2)
         assert slope == pytest.approx(inputs[velocity], abs=0.02 * np.abs(slope).max())

@@ -46,11 +46,11 @@ def test_a_double_pendulum_swings_wide_as_its_textbook_equations_say():
         t1, t2, w1, w2 = y
         c, s = np.cos(t1 - t2), np.sin(t1 - t2)
         matrix = [[(m1 + m2) * l1**2, m2 * l1 * l2 * c], [m2 * l1 * l2 * c, m2 * l2**2]]
-        right = [
+        forces = [
             -m2 * l1 * l2 * s * w2**2 - (m1 + m2) * GRAVITY * l1 * np.cos(t1),
             m2 * l1 * l2 * s * w1**2 - m2 * GRAVITY * l2 * np.cos(t2),
         ]
-        return [w1, w2, *np.linalg.solve(matrix, right)]
+        return [w1, w2, *np.linalg.solve(matrix, forces)]
 
     start = [0.3, 1.2, -1.0, 2.0]
     exact = solve_ivp(rate, (0.0, 2.0), start, method="DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
@@ -72,20 +72,20 @@ def test_accelerations_are_lagranges(base):
     if base == "free":
         links[0] = {"length": 0.6, "mass": 1.3, "center_of_mass": 0.0, "inertia": 0.0}  # at the base
     angles, spins = rng.uniform(-3.0, 3.0, 3), rng.uniform(-3.0, 3.0, 3)
-    one = scene(links, base=base, initial={"angles": list(angles), "angular_velocities": list(spins)})
-    instance = Instance(one)
+    mass_points = scene(links, base=base, initial={"angles": list(angles), "angular_velocities": list(spins)})
+    instance = Instance(mass_points)
     instance.observe()
     velocities = np.concatenate([[0.0, 0.0], spins])
-    expected = lagrange_accelerations(one, angles, velocities, np.zeros(3), np.zeros((4, 2)))
-    found = instance.record["output"]["angular_acceleration"]
-    np.testing.assert_allclose(found, expected[2:], rtol=0, atol=1e-11 * np.abs(expected).max())
+    expected = lagrange_accelerations(mass_points, angles, velocities, np.zeros(3), np.zeros((4, 2)))
+    result = instance.record["output"]["angular_acceleration"]
+    np.testing.assert_allclose(result, expected[2:], rtol=0, atol=1e-11 * np.abs(expected).max())
 
 
 def test_a_bob_on_a_stiff_damped_spring_takes_implicit_steps():
     """The bound of its rates is infinite, but the rates are finite."""
     links = [bob(0.7, 2.0), bob(1.1, 0.5, joint_stiffness=1e7, joint_damping=1e3)]
-    one = scene(links, initial={"angles": [0.0, 0.0]}, tolerance=1e-8)
-    result = simulate(one)
+    mass_points = scene(links, initial={"angles": [0.0, 0.0]}, tolerance=1e-8)
+    result = simulate(mass_points)
     assert result.statistics["implicit_steps"] > 10
     assert result.statistics["rhs_evaluations"] < 600
     assert balance(result) < 3e-7

@@ -25,9 +25,9 @@ def test_help_shows_no_address_and_tab_completion_the_public_names_only():
 
 
 def test_progress_can_be_left_out_or_given():
-    done = []
-    simulate("bouncing_ball", 0.5, progress=done.append)
-    assert done[-1] == 1.0
+    fractions = []
+    simulate("bouncing_ball", 0.5, progress=fractions.append)
+    assert fractions[-1] == 1.0
     assert simulate("bouncing_ball", 0.5, progress=None).time[-1] == 0.5
 
 
@@ -65,7 +65,9 @@ def finished(chain):
     return chain.save()
 
 
-@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda one: pickle.loads(pickle.dumps(one))])
+@pytest.mark.parametrize(
+    "copied", [copy.copy, copy.deepcopy, lambda chain: pickle.loads(pickle.dumps(chain))]
+)
 def test_a_copy_of_a_chain_goes_on_bit_by_bit_and_for_itself(chain, copied):
     other = copied(chain)
     assert (other.time, other.scene, other.get("tip.force.x")) == (0.4, chain.scene, 3.0)
@@ -84,8 +86,8 @@ def test_a_copy_of_a_chain_goes_on_bit_by_bit_and_for_itself(chain, copied):
 
 def test_a_chain_goes_on_in_another_process(chain):
     with multiprocessing.get_context("spawn").Pool(1) as pool:
-        [found] = pool.map(finished, [chain])
-    assert found == finished(chain)
+        [result] = pool.map(finished, [chain])
+    assert result == finished(chain)
 
 
 def test_bytes_that_are_no_saved_state_of_the_scene_are_refused(chain):

@@ -14,8 +14,8 @@ MENDED = (10254, 10410, 14065, 14072, 15739)
 @pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("seeds", [(*range(8), *range(DRIVEN, DRIVEN + 6), *MENDED), range(12, 60)], ids=str)
 def test_random_bodies_keep_the_laws_of_physics(seeds):
-    found = {seed: told for seed in seeds if (told := faults(seed))}
-    assert not found
+    faults_of_seed = {seed: seed_faults for seed in seeds if (seed_faults := faults(seed))}
+    assert not faults_of_seed
 
 
 def test_a_peak_after_a_change_of_friction_is_found():

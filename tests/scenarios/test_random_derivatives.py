@@ -55,22 +55,22 @@ def saturated():
 
 @pytest.mark.parametrize("scene", [overlapping, let_go, saturated])
 def test_derivatives_of_chosen_scenes_equal_differences(scene):
-    found = compare(scene(), {}, MASS)
-    assert found.compared > 3000
-    assert found.wrong[:3] == []
+    comparison = compare(scene(), {}, MASS)
+    assert comparison.compared > 3000
+    assert comparison.wrong[:3] == []
 
 
 @pytest.mark.full("more cases", but=3)
 @pytest.mark.parametrize("kind", KINDS)
 def test_derivatives_of_random_scenes_equal_differences(kind):
-    found = [check(kind, seed) for seed in range(FEW)]
-    assert sum(comparison.compared for comparison in found) > 1000
-    assert [comparison.wrong[:3] for comparison in found] == [[]] * FEW
+    comparisons = [check(kind, seed) for seed in range(FEW)]
+    assert sum(comparison.compared for comparison in comparisons) > 1000
+    assert [comparison.wrong[:3] for comparison in comparisons] == [[]] * FEW
 
 
 @pytest.mark.full("more scenes")
 @pytest.mark.parametrize("kind", KINDS)
 def test_more_random_scenes(kind):
-    found = {seed: check(kind, seed) for seed in range(FEW, FEW + MANY)}
-    assert sum(comparison.rows for comparison in found.values()) > 2_500
-    assert {seed: comparison.wrong[:3] for seed, comparison in found.items() if comparison.wrong} == {}
+    comparisons = {seed: check(kind, seed) for seed in range(FEW, FEW + MANY)}
+    assert sum(comparison.rows for comparison in comparisons.values()) > 2_500
+    assert {seed: comparison.wrong[:3] for seed, comparison in comparisons.items() if comparison.wrong} == {}

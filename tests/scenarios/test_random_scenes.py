@@ -44,16 +44,18 @@ FIRST += [RUBBED, DRIVEN, SIGNALLED, EQUAL]
 BLOCKS = [range(first, first + BLOCK) for first in FIRST] + [range(LONG, LONG + BLOCK // 2)]
 
 
-def broken(one):
+def broken(run_verdict):
     """Return the findings of a run, but accept a run that ends with a status or takes longer than 2 s."""
-    return [finding for finding in one.findings if finding.kind not in {"stopped", "slow"}]
+    return [finding for finding in run_verdict.findings if finding.kind not in {"stopped", "slow"}]
 
 
 @pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("seeds", BLOCKS, ids=lambda seeds: f"{seeds[0]}-{seeds[-1]}")
 def test_random_scenes_keep_the_laws_of_physics(seeds):
-    found = [one for one in verdicts(seeds) if broken(one)]
-    assert not found, f"{len(found)} of {len(seeds)} scenes:\n" + "\n".join(map(str, found))
+    broken_verdicts = [each for each in verdicts(seeds) if broken(each)]
+    assert not broken_verdicts, f"{len(broken_verdicts)} of {len(seeds)} scenes:\n" + "\n".join(
+        map(str, broken_verdicts)
+    )
 
 
 # --- scenes that had findings ------------------------------------------------------------------------------
@@ -76,8 +78,8 @@ MENDED = [
 @pytest.mark.full("more cases", but=12)
 @pytest.mark.parametrize("seed", MENDED)
 def test_a_scene_that_had_findings_has_none(seed):
-    found = verdict(scene(seed), seed, cpu=20.0)
-    assert {finding.kind for finding in found.findings} <= {"slow"}
+    result = verdict(scene(seed), seed, cpu=20.0)
+    assert {finding.kind for finding in result.findings} <= {"slow"}
 
 
 @pytest.mark.parametrize("seed", [430, 13415, SLANTED + 458, SLANTED + 1952])
@@ -156,10 +158,10 @@ def test_no_step_reads_what_observing_writes(kind):
     spoiled = 0
     for seed in SEEDS[kind]:
         try:
-            (expected, _), (found, count) = observed(seed, spoils=False), observed(seed, spoils=True)
+            (expected, _), (result, count) = observed(seed, spoils=False), observed(seed, spoils=True)
         except SimulationError:
             continue
-        assert found == expected, seed
+        assert result == expected, seed
         spoiled += count
     assert spoiled > 1000
 
@@ -244,15 +246,15 @@ def test_the_motion_after_an_impact_is_continuous_as_the_fold_closes():
 
 
 # a pull at the impact, a loss, a position correction that lifts the chain, a passage between two held phases
-FOUND = [22, 24, 30, 53, 1445, 2215, 2827, 6792, 12742, 16909]
+FORMER_FINDINGS = [22, 24, 30, 53, 1445, 2215, 2827, 6792, 12742, 16909]
 
 
-@pytest.mark.parametrize("seed", FOUND)
+@pytest.mark.parametrize("seed", FORMER_FINDINGS)
 def test_a_fold_that_had_faults_has_none(seed):
     assert not faults(fold(seed))
 
 
 @pytest.mark.full("takes long")
 def test_random_folds_keep_newtons_law():
-    found = {seed: kinds for seed in range(500) if (kinds := faults(fold(seed)))}
-    assert not found
+    faults_of_seed = {seed: kinds for seed in range(500) if (kinds := faults(fold(seed)))}
+    assert not faults_of_seed

@@ -83,11 +83,11 @@ def test_an_impact_at_a_sliders_stop_is_where_its_carriage_ends(cart):
 def test_a_table_of_a_cart_shows_its_line_with_and_without_the_scene(cart, tmp_path):
     cart.save_csv(tmp_path / "cart.csv")
     for scene in (None, cart.scene):
-        found = read_csv(tmp_path / "cart.csv", scene)
-        assert not found.pinned
-        assert found.rail.angle == pytest.approx(0.3)
-        assert found.rail.origin == pytest.approx([1.0, 2.0])
-        assert bool(found.rail.stops) == bool(scene)
+        recording = read_csv(tmp_path / "cart.csv", scene)
+        assert not recording.pinned
+        assert recording.rail.angle == pytest.approx(0.3)
+        assert recording.rail.origin == pytest.approx([1.0, 2.0])
+        assert bool(recording.rail.stops) == bool(scene)
 
 
 def test_a_recording_without_a_slider_has_no_line():
@@ -105,8 +105,8 @@ def test_pictures_and_films_show_bodies(run, tmp_path, name):
 
 def test_points_are_told_by_their_names_and_sliders_as_such(cart):
     run = simulate(bodies.body(), 0.6, output_step=0.01)
-    told = [run.touching_part(impact) for impact in run.impacts]
-    assert told[:3] == ["point 3 (heel)", "point 4 (toe)", "point 6"]
+    names = [run.touching_part(impact) for impact in run.impacts]
+    assert names[:3] == ["point 3 (heel)", "point 4 (toe)", "point 6"]
     assert {cart.touching_part(impact) for impact in cart.impacts} == {"slider"}
     shown = Recording("R", run.time, run.columns, run.impacts, wall_names=run.wall_names)
     assert shown.touching_part(run.impacts[0]) == "point 3"
@@ -115,7 +115,7 @@ def test_points_are_told_by_their_names_and_sliders_as_such(cart):
     groups = point_groups(run, marks_of(run)[1])
     assert [name for name, *_ in groups] == ["point 3 (heel)", "point 4 (toe)", "point 6"]
     assert "  3 (heel)  " in str(run)
-    assert [impact["what"] for impact in data(run)["impacts"]] == told
+    assert [impact["what"] for impact in data(run)["impacts"]] == names
     assert data(run)["pointNames"] == [(3, "heel"), (4, "toe")]
     assert "slider  slider_max" in str(cart)
     few = simulate(cart.scene, 0.5, output=["slider.position"])
@@ -124,8 +124,8 @@ def test_points_are_told_by_their_names_and_sliders_as_such(cart):
 
 @needs_interop
 def test_a_dataset_has_all_points_and_the_stops_of_a_slider():
-    found = simulate(bodies.body(), 0.3, output_step=0.01).to_xarray()
-    assert found["point_name"].values.tolist() == ["", "", "", "heel", "toe", "", "", "", ""]
+    dataset = simulate(bodies.body(), 0.3, output_step=0.01).to_xarray()
+    assert dataset["point_name"].values.tolist() == ["", "", "", "heel", "toe", "", "", "", ""]
     run = simulate(bodies.cart().with_values({"link[1].joint_min": -9.0}), 0.4, output_step=0.01)
     force = run.to_xarray()["force"].sel(contact="contact[0].slider_max")
     np.testing.assert_array_equal(force, run["contact[0].slider_max.force"])
@@ -153,12 +153,12 @@ def test_numbers_at_a_sliders_stops_are_beyond_their_marks():
 
 
 def test_a_page_has_bodies_and_the_line_of_a_slider(run):
-    found = data(run)
-    assert found["links"] == 1
-    assert found["pointCount"] == run.all_points.shape[1]
-    assert [link for link, _ in found["bodies"]] == [*run.outlines]
-    assert dict(found["touching"]) == run.touching_radii
-    assert bool(found["rail"]) == (run.name == "Cart")
-    if found["rail"]:
-        assert [*found["rail"]["stops"]] == [*found["rail"]["limits"]] == ["slider_min", "slider_max"]
-        assert not found["pinned"]
+    contents = data(run)
+    assert contents["links"] == 1
+    assert contents["pointCount"] == run.all_points.shape[1]
+    assert [link for link, _ in contents["bodies"]] == [*run.outlines]
+    assert dict(contents["touching"]) == run.touching_radii
+    assert bool(contents["rail"]) == (run.name == "Cart")
+    if contents["rail"]:
+        assert [*contents["rail"]["stops"]] == [*contents["rail"]["limits"]] == ["slider_min", "slider_max"]
+        assert not contents["pinned"]

@@ -43,10 +43,10 @@ def test_a_dropped_ball_comes_to_rest(restitution, stop_time):
     impacts, floor = result.impacts, scene.contact.minimum_impact_speed
     # the rebound factor of each bounce is e; slower than the lower limit of v₀ no bounce occurs
     assert 2 <= len(impacts) <= math.log(drop.speed / floor) / -math.log(restitution) + 3
-    done = impacts[:-1]
+    completed = impacts[:-1]
     # gravity also acts during the contact
-    allowed = GRAVITY * (done["end"] - done["onset"])
-    assert (abs(done["separation_speed"] - restitution * done["impact_speed"]) < allowed).all()
+    allowed = GRAVITY * (completed["end"] - completed["onset"])
+    assert (abs(completed["separation_speed"] - restitution * completed["impact_speed"]) < allowed).all()
     np.testing.assert_allclose(impacts["impact_speed"][1:], impacts["separation_speed"][:-1], rtol=1e-8)
     # the last contact does not end
     assert np.isfinite(impacts["end"][:-1]).all()

@@ -15,11 +15,11 @@ from tests.helpers.scenes.problems import of_law
 RESTS = 1e-12  # allowed change of the energy balance over the energies in the last quarter of a run at rest
 
 
-def check_rest(found):
+def check_rest(rests):
     """Check that no run ends early, and that the energy of a chain at rest stays the same."""
-    assert [one for one in found if one.status != OK] == []
-    for one in found:
-        assert not one.rests or one.drift < RESTS
+    assert [rest for rest in rests if rest.status != OK] == []
+    for rest in rests:
+        assert not rest.rests or rest.drift < RESTS
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -68,7 +68,7 @@ def test_friction_in_a_joint_does_no_work_in_an_hour(kind, seeds):
 )
 def test_friction_forces_at_rest_do_not_depend_on_the_tolerance(kind, seed):
     """An end that still slides when the other one sticks slows down without a stop: it keeps its limit."""
-    scene, found = random_scene(kind, seed), []
+    scene, friction_forces = random_scene(kind, seed), []
     for tolerance in (1e-8, 1e-9, 1e-10):
         result = simulate(scene.with_values({"solver.tolerance": tolerance, "solver.method": "auto"}))
         normal, friction, sticking = (
@@ -77,8 +77,8 @@ def test_friction_forces_at_rest_do_not_depend_on_the_tolerance(kind, seed):
         )
         (end,) = np.flatnonzero((normal > 0.0) & (sticking == 0))
         assert abs(friction[end]) == pytest.approx(scene.contact.friction * normal[end], rel=1e-9)
-        found.append(friction)
-    assert np.ptp(found, axis=0).max() < 1e-3 * normal.max()
+        friction_forces.append(friction)
+    assert np.ptp(friction_forces, axis=0).max() < 1e-3 * normal.max()
 
 
 @pytest.mark.parametrize("tilt", [1e-4, 3e-4])
@@ -145,6 +145,6 @@ def test_a_straight_chain_slides_down_a_slope_for_half_an_hour(count):
 @pytest.mark.full("more cases", but="pendulum")
 @pytest.mark.parametrize("kind", ["pendulum", "double_pendulum", "rigid_pendulum"])
 def test_an_hour_of_rest_is_held(kind):
-    found = [run(kind, seed, LONG) for seed in range(20)]
-    assert sum(one.rests for one in found) > 8
-    check_rest(found)
+    rests = [run(kind, seed, LONG) for seed in range(20)]
+    assert sum(rest.rests for rest in rests) > 8
+    check_rest(rests)

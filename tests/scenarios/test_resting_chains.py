@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact import simulate
 from tests.helpers.campaigns.resting_chains import (
-    FOUND,
+    CORRECT,
     NAN,
     OPEN,
     PARAMETERS,
@@ -22,10 +22,10 @@ MOST_OPEN = 1e-2  # relative to the largest derivative: allowed open part of a r
 
 
 def test_chains_that_rest_have_derivatives():
-    found = Counter(verdict for seed in range(FEW) for verdict in check(seed))
-    assert found[WRONG] == 0
-    assert found[FOUND] >= 0.9 * (found[FOUND] + found[NAN])
-    assert found[FOUND] >= FEW
+    counts = Counter(verdict for seed in range(FEW) for verdict in check(seed))
+    assert counts[WRONG] == 0
+    assert counts[CORRECT] >= 0.9 * (counts[CORRECT] + counts[NAN])
+    assert counts[CORRECT] >= FEW
 
 
 # In long implicit steps, derivatives of a chain that lies almost flat did not converge (19, 109, 127); an
@@ -39,19 +39,19 @@ LEFT_OPEN = (473, 491)  # chains in which friction leaves open a part of the der
 @pytest.mark.full("more cases", but=2)
 @pytest.mark.parametrize("seed", ENDED)
 def test_chains_whose_derivatives_ended_have_right_ones(seed):
-    assert check(seed) == [FOUND] * len(PARAMETERS)
+    assert check(seed) == [CORRECT] * len(PARAMETERS)
 
 
 @pytest.mark.full("more chains")
 def test_nine_in_ten_of_many_chains_that_rest_have_derivatives():
-    found = Counter(verdict for seed in range(FEW, FEW + MANY) for verdict in check(seed))
-    assert found[WRONG] == 0
-    assert found[FOUND] >= 0.9 * (found[FOUND] + found[NAN])
-    assert found[OPEN] < 0.2 * found[FOUND]
+    counts = Counter(verdict for seed in range(FEW, FEW + MANY) for verdict in check(seed))
+    assert counts[WRONG] == 0
+    assert counts[CORRECT] >= 0.9 * (counts[CORRECT] + counts[NAN])
+    assert counts[OPEN] < 0.2 * counts[CORRECT]
 
 
 def test_the_share_of_friction_has_no_derivative_after_an_open_choice():
-    found = 0
+    unknown_shares = 0
     for seed in range(FEW):
         run = simulate(thrown(seed), sensitivities=["contact.friction"])
         place = run.sensitivity("point[0].x", "contact.friction")
@@ -59,8 +59,8 @@ def test_the_share_of_friction_has_no_derivative_after_an_open_choice():
         shares = np.array([run.sensitivity(name, "contact.friction") for name in impulses])
         split = np.isnan(shares).any(axis=0) & np.isfinite(place)
         assert np.isnan(shares[:, split]).all()
-        found += split[-1]
-    assert found > 0
+        unknown_shares += split[-1]
+    assert unknown_shares > 0
 
 
 def test_open_friction_is_relative_to_the_largest_derivative():

@@ -78,11 +78,11 @@ def test_the_columns_of_a_scene_are_those_of_its_fmu_row_by_row(fmus):
     stepwise = [name for name in ours.columns if name.startswith(("impact", "solver"))]
     assert len(stepwise) == 5 + 9 * 8 + 5
     for name in stepwise:
-        found, expected = ours.columns[name], theirs.columns[name]
-        if found.dtype == np.int64:
-            np.testing.assert_array_equal(found, expected, err_msg=name)
+        result, expected = ours.columns[name], theirs.columns[name]
+        if result.dtype == np.int64:
+            np.testing.assert_array_equal(result, expected, err_msg=name)
         else:  # the communication points differ in their last bit
-            np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-9, err_msg=name)
+            np.testing.assert_allclose(result, expected, rtol=1e-6, atol=1e-9, err_msg=name)
 
 
 @pytest.mark.full("takes long")
@@ -240,14 +240,14 @@ def test_runs_in_threads_leave_the_process_as_it_is(tmp_path_factory, kind):
 
     alone = run(0)
     with ThreadPoolExecutor(4) as pool:
-        found = list(pool.map(run, range(8)))
+        results = list(pool.map(run, range(8)))
     assert (sys.stdout, sys.stderr, Path.cwd()) == before
     assert set(seen) == {before}
-    for result in found[::2]:
+    for result in results[::2]:
         assert are_equal(result.impacts, alone.impacts)
         assert all(np.array_equal(result.columns[name], alone.columns[name]) for name in alone.columns)
-    assert len(set(found[1::2])) == 1
-    assert "a contact point starts beyond a wall" in found[1]
+    assert len(set(results[1::2])) == 1
+    assert "a contact point starts beyond a wall" in results[1]
 
 
 def test_a_missing_file_is_named():
@@ -257,16 +257,16 @@ def test_a_missing_file_is_named():
 
 
 def test_all_outputs_of_an_fmu_take_one_run(monkeypatch):
-    told, seen, found = [], [], instance.kernel_for
+    scenes, seen, original_kernel_for = [], [], instance.kernel_for
 
     def kernel_for(scene, **options):
-        told.append(scene)
-        return found(scene, **options)
+        scenes.append(scene)
+        return original_kernel_for(scene, **options)
 
     monkeypatch.setattr(instance, "kernel_for", kernel_for)
     scene = load_scene("rod_drop")
     simulate(scene, progress=seen.append)
-    assert told == [scene]
+    assert scenes == [scene]
     assert (seen, seen[-1]) == (sorted(seen), 1.0)
 
 

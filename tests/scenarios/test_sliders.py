@@ -137,9 +137,9 @@ def test_a_derivative_by_a_stiffness_that_is_set_on_the_way():
         chain.step_to(0.7)
         return chain.get(["slider.position", "sensitivity.slider.stiffness.slider.position"])
 
-    found, exact = end(0.0)[1], slope(lambda change: end(change)[0], 0.0, 0.05, 6)
-    assert found == pytest.approx(exact, rel=1e-7)
-    assert abs(found) > 1e-5
+    result, exact = end(0.0)[1], slope(lambda change: end(change)[0], 0.0, 0.05, 6)
+    assert result == pytest.approx(exact, rel=1e-7)
+    assert abs(result) > 1e-5
 
 
 def test_a_point_mass_on_a_carriage_without_mass_is_refused():
@@ -191,8 +191,8 @@ def test_derivatives_by_what_a_slider_is_are_those_of_differences(name):
         varied = simulate(cart.with_values({name: number}), stop_time=0.6, tolerance=1e-12)
         return np.array([varied[output][-1] for output in outputs])
 
-    for output, right in zip(outputs, slope(ends, cart.values[name], 1e-6), strict=True):
-        assert run.sensitivity(output, name)[-1] == pytest.approx(right, rel=1e-5, abs=1e-6)
+    for output, expected in zip(outputs, slope(ends, cart.values[name], 1e-6), strict=True):
+        assert run.sensitivity(output, name)[-1] == pytest.approx(expected, rel=1e-5, abs=1e-6)
 
 
 def test_derivatives_of_a_limited_carriage_have_a_closed_form():
@@ -211,8 +211,8 @@ def test_derivatives_of_a_limited_carriage_have_a_closed_form():
     exact = {"slider.force_limit": 0.5 / mass, "slider.mass": by_mass, "signal.push.value": 0.0}
     run = simulate(cart, stop_time=1.0, sensitivities=list(exact))
     for name, expected in exact.items():
-        found = run.sensitivity("slider.position", name)[-1]
-        assert found == pytest.approx(expected, rel=1e-9, abs=1e-12), name
+        result = run.sensitivity("slider.position", name)[-1]
+        assert result == pytest.approx(expected, rel=1e-9, abs=1e-12), name
 
 
 def on_rail(**contact):

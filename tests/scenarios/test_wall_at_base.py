@@ -53,9 +53,9 @@ def test_a_wall_meets_the_base_when_it_gets_there(above, method):
         simulate(scene(method), inputs=moved(1.0 + above))
     assert caught.value.status == BASE_BEYOND_WALL
     assert str(caught.value).endswith(": the base at the wall w")
-    right = MIDDLE - WIDTH * math.sqrt(math.log1p(above))
-    speed = 2.0 * (MIDDLE - right) / WIDTH**2
-    assert caught.value.time == pytest.approx(right, abs=1e-6 / speed)
+    expected = MIDDLE - WIDTH * math.sqrt(math.log1p(above))
+    speed = 2.0 * (MIDDLE - expected) / WIDTH**2
+    assert caught.value.time == pytest.approx(expected, abs=1e-6 / speed)
     result = caught.value.result
     assert result.time[-1] <= caught.value.time < result.time[-1] + 0.0101
 

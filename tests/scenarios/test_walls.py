@@ -13,7 +13,7 @@ from tests.helpers.scenes.turned import turned
 
 ANGLES = (0.3, math.pi / 2, 2.5, -1.1)
 # unit vectors down the ramp of the model, and normal to the ramp
-RIGHT, UP = np.array([0.8, -0.6]), np.array([0.6, 0.8])
+ALONG_RAMP, UP = np.array([0.8, -0.6]), np.array([0.6, 0.8])
 
 
 # --- half-planes -----------------------------------------------------------------------------------------
@@ -66,16 +66,19 @@ def test_a_disc_on_a_ramp_bounces_as_the_closed_form_says():
     result = simulate(scene, tolerance=1e-12)
     names = [scene.wall_names[wall] for wall in result.impacts["wall"]]
     place = result.points[:, 0]
-    for name, along, height, pull in (("ramp", UP, 0.5, 0.8 * GRAVITY), ("stop", -RIGHT, 1.9, 0.6 * GRAVITY)):
+    for name, along, height, pull in (
+        ("ramp", UP, 0.5, 0.8 * GRAVITY),
+        ("stop", -ALONG_RAMP, 1.9, 0.6 * GRAVITY),
+    ):
         onsets, speeds, heights = bounces(height, pull, 0.6, result.time)
-        found = result.impacts[[one == name for one in names]]
+        impacts = result.impacts[[wall_name == name for wall_name in names]]
         # the closed form replaces the last, ever smaller bounces by rest
         count = np.count_nonzero(speeds > 0.01)
-        assert len(found) >= count
-        np.testing.assert_allclose(found["onset"][:count], onsets[:count], rtol=0, atol=1e-11)
-        np.testing.assert_allclose(found["impact_speed"][:count], speeds[:count], rtol=0, atol=1e-10)
+        assert len(impacts) >= count
+        np.testing.assert_allclose(impacts["onset"][:count], onsets[:count], rtol=0, atol=1e-11)
+        np.testing.assert_allclose(impacts["impact_speed"][:count], speeds[:count], rtol=0, atol=1e-10)
         np.testing.assert_allclose(
-            found["separation_speed"][:count], 0.6 * speeds[:count], rtol=0, atol=1e-10
+            impacts["separation_speed"][:count], 0.6 * speeds[:count], rtol=0, atol=1e-10
         )
         np.testing.assert_allclose(place @ along, heights + 0.05, rtol=0, atol=1e-5)
     # a frictionless disc gets no rotation
@@ -90,9 +93,9 @@ def test_a_ball_that_falls_along_a_wall_arrives_at_the_next_one(model, angle):
     scene = with_values(scene, {("box", "x_min"): -0.1, ("initial", "position", 1): 0.6})
     for tolerance in (1e-4, 1e-10):
         result = simulate(turned(scene, angle), stop_time=0.4, tolerance=tolerance)
-        found = result.impacts[result.impacts["wall"] == 5]  # the wall in place of y_min
-        assert found["onset"][0] == pytest.approx(math.sqrt(1.0 / GRAVITY), abs=1e-11)
-        assert found["impact_speed"][0] == pytest.approx(math.sqrt(GRAVITY), rel=1e-9)
+        impacts = result.impacts[result.impacts["wall"] == 5]  # the wall in place of y_min
+        assert impacts["onset"][0] == pytest.approx(math.sqrt(1.0 / GRAVITY), abs=1e-11)
+        assert impacts["impact_speed"][0] == pytest.approx(math.sqrt(GRAVITY), rel=1e-9)
         assert result.statistics["rhs_evaluations"] < 3000
 
 
@@ -164,8 +167,8 @@ def test_a_box_and_slanted_walls_stand_side_by_side():
     changes = {("box",): {"x_max": 3.0}, ("walls",): [{"name": "floor", "point": [9.0, 0.0], "angle": 0.0}]}
     mixed = with_values(default_scene(), changes)
     plain = with_values(default_scene(), {("box",): {"x_max": 3.0, "y_min": 0.0}})
-    one, other = (simulate(scene, stop_time=1.2) for scene in (mixed, plain))
-    assert one.outputs.tobytes() == other.outputs.tobytes()
-    named = [[result.scene.wall_names[wall] for wall in result.impacts["wall"]] for result in (one, other)]
+    first, other = (simulate(scene, stop_time=1.2) for scene in (mixed, plain))
+    assert first.outputs.tobytes() == other.outputs.tobytes()
+    named = [[result.scene.wall_names[wall] for wall in result.impacts["wall"]] for result in (first, other)]
     assert named[0] == [name.replace("y_min", "floor") for name in named[1]]
     assert set(named[0]) == {"x_max", "floor"}

@@ -47,11 +47,11 @@ def faults(scene: Scene) -> dict[str, float]:
     are looked at.
     """
     instance = Instance(scene)
-    stop, found = scene.simulation.stop_time, {}
+    stop, sizes = scene.simulation.stop_time, {}
 
     def note(kind: str, value: float, allowed: float) -> None:
         if not value <= allowed:
-            found[kind] = max(found.get(kind, 0.0), value / allowed)
+            sizes[kind] = max(sizes.get(kind, 0.0), value / allowed)
 
     first = after = row(instance)
     mass = sum(link.mass for link in scene.chain.links)
@@ -81,8 +81,8 @@ def faults(scene: Scene) -> dict[str, float]:
     given = after["impulse"].sum()
     note("impulse", given, 2.0 * momentum + mass * GRAVITY * instance.time)
     if instance.status:
-        found["status"] = float(instance.status)
-    return found
+        sizes["status"] = float(instance.status)
+    return sizes
 
 
 def row(instance: Instance) -> np.void:

@@ -18,7 +18,7 @@ SMALL = 1e-12  # over the weight, or over a momentum of one link length per seco
 def load_checks(run: Any) -> Iterator[tuple[str, float, float, str]]:
     """Return kind, value, bound and words of each check; none for a run without loads.
 
-    The forces and impulses follow from the public motion, by Newton's law for the links from each on.
+    The expected load of a joint follows from the motion, by Newton's law for all links from this joint on.
     """
     outputs, scene = run.outputs, run.scene
     if not scene.outputs.loads:
@@ -30,16 +30,16 @@ def load_checks(run: Any) -> Iterator[tuple[str, float, float, str]]:
     small = SMALL * all_mass * (chain.size + np.linalg.norm(gravity))
 
     parts = mass * (run.centres("point_acceleration") - gravity), -outside(run, "force", run.tip)
-    right, scale = summed(parts)
-    off = np.abs(force - right).max(axis=(1, 2)) - NEWTON * scale
+    momentum_rate, scale = summed(parts)
+    off = np.abs(force - momentum_rate).max(axis=(1, 2)) - NEWTON * scale
     yield "newton", float(off.max()), small, "a force in a joint off Newton's law, beyond 1e-9 [N]"
 
     momentum = mass * run.centres("point_velocity")
     weight = -mass * gravity * time[:, None, None]
     given = -outside(run, "impulse", np.outer(time, run.tip))
-    right, _ = summed((momentum - momentum[0], weight, given))
+    momentum_rate, _ = summed((momentum - momentum[0], weight, given))
     _, scale = summed((momentum, weight, given))
-    off = np.abs(impulse - right).max(axis=(1, 2)) - MOMENTUM * np.maximum.accumulate(scale)
+    off = np.abs(impulse - momentum_rate).max(axis=(1, 2)) - MOMENTUM * np.maximum.accumulate(scale)
     yield "momentum", float(off.max()), small, "an impulse in a joint off the momentum, beyond 1e-8 [N·s]"
 
     joints = slice(0 if scene.chain.base == "pinned" else 1, None)
@@ -67,7 +67,7 @@ def vectors(loads: Any, count: int, kind: str) -> np.ndarray:
 
 
 def summed(parts: tuple[np.ndarray, ...]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the sums of parts over the links from each link on, (T, N, 2), and their scale, (T,).
+    """Return for each link the sum of parts over it and all later links, (T, N, 2), and the scale, (T,).
 
     The scale is the largest sum of magnitudes of one part over all links, along x or y.
     """
@@ -79,13 +79,13 @@ def summed(parts: tuple[np.ndarray, ...]) -> tuple[np.ndarray, np.ndarray]:
 def outside(run: Any, kind: str, at_tip: np.ndarray) -> np.ndarray:
     """Return the forces, or impulses, of walls and of the input on the links, shape (T, N, 2)."""
     outputs, scene = run.outputs, run.scene
-    found = np.zeros((len(outputs), len(scene.chain.links), 2))
+    loads = np.zeros((len(outputs), len(scene.chain.links), 2))
     for c, (point, number) in enumerate(candidates_of(scene)):
         if wall := scene.half_planes.get(scene.wall_names[number]):
             normal = np.array(wall.normal)
             on = np.outer(outputs[kind][:, c], normal)
             if scene.has_friction:
                 on += np.outer(outputs["friction"][kind][:, c], [normal[1], -normal[0]])
-            found[:, max(point, 1) - 1] += on
-    found[:, -1] += at_tip
-    return found
+            loads[:, max(point, 1) - 1] += on
+    loads[:, -1] += at_tip
+    return loads

@@ -61,7 +61,7 @@ class Law:
 
 def laws(scene: Scene) -> list[Law]:
     """Return the law of each candidate."""
-    contact, stops, found = scene.contact, scene.stops, []
+    contact, stops, all_laws = scene.contact, scene.stops, []
     size = max(link.length for link in scene.chain.links)
     for point, wall in candidates_of(scene):
         name = scene.wall_names[wall]
@@ -76,8 +76,8 @@ def laws(scene: Scene) -> list[Law]:
         )
         rigid = model == "newton_impact"
         unit = size if stop else 1.0
-        found.append(Law(point, wall, stop, model, 0.0 if rigid else stiffness, exponent, slowest, unit))
-    return found
+        all_laws.append(Law(point, wall, stop, model, 0.0 if rigid else stiffness, exponent, slowest, unit))
+    return all_laws
 
 
 def columns(every: list[Law], impacts: np.ndarray) -> SimpleNamespace:
@@ -187,15 +187,17 @@ def account(scene: Scene, seed: int, memory: Any = None, rows: int = ROWS) -> Ac
         move(instance, memory)
     torque, force = drive(scene, seed)
     outputs = np.zeros(len(times), instance.record.dtype["output"])
-    done, impacts = 0, []
-    while done < len(times) and instance.status == OK:
-        done += instance.trajectory(times[done:], outputs[done:])
+    completed, impacts = 0, []
+    while completed < len(times) and instance.status == OK:
+        completed += instance.trajectory(times[completed:], outputs[completed:])
         impacts.append(instance.collect())
     impacts.append(instance.open_contacts())
     statistics, cpu = instance.statistics, time.process_time() - begin
     rows = np.concatenate(impacts)
     turn = float(np.abs(torque).sum())
-    return Account(scene, times[:done], outputs[:done], rows, statistics, cpu, tip=force, torque=turn)
+    return Account(
+        scene, times[:completed], outputs[:completed], rows, statistics, cpu, tip=force, torque=turn
+    )
 
 
 def judge(run: Account, cpu: float = CPU) -> list[Finding]:
@@ -341,8 +343,10 @@ def speeds(run: Account) -> Iterator[Row]:
     """Check that points move into the wall when contacts begin, and away from it when they end."""
     fastest = run.chain.size + float(np.linalg.norm(run.outputs["point_velocity"], axis=2).max())
     for name in ("impact_speed", "separation_speed"):
-        known = run.impacts[name][~np.isnan(run.impacts[name])]
-        least = float((known * run.laws_of_impacts.unit[~np.isnan(run.impacts[name])]).min(initial=0.0))
+        impact_speeds = run.impacts[name][~np.isnan(run.impacts[name])]
+        least = float(
+            (impact_speeds * run.laws_of_impacts.unit[~np.isnan(run.impacts[name])]).min(initial=0.0)
+        )
         yield f"negative {name}", -least, ROUND_OFF * fastest, f"{name} below zero by [m/s]"
 
 

@@ -78,10 +78,10 @@ def spring_moments(run: Account) -> np.ndarray:
 
 
 def dissipated_scale(run: Account) -> float:
-    """Return the scale of the dissipated energy [J], which is at least the energy of the error norm.
+    """Return the scale of the dissipated energy [J]: the energy of the error norm plus energies of the run.
 
-    This energy is added to the dissipated energy and the largest kinetic energy of an onset, of which at most
-    twice the available energy counts.
+    These are the dissipated energy and the largest kinetic energy of an onset, together at most twice the
+    available energy.
     """
     sizes = np.abs(run.outputs["dissipated"]).max() + brought(run)
     return run.chain.energy + min(float(sizes), 2.0 * float(available(run).max()))

@@ -88,13 +88,13 @@ def bodies(seed: int) -> Scene:
 def link(draw: Draw, grounded: bool) -> dict[str, Any]:
     """Return the table of a link; ``grounded``: whether the link has a joint."""
     length = draw.real(0.1, 0.6)
-    found: dict[str, Any] = {"length": length, "mass": draw.power(0.1, 3.0)}
+    table: dict[str, Any] = {"length": length, "mass": draw.power(0.1, 3.0)}
     if draw.chance(0.7):
-        found["center_of_mass_offset"] = length * draw.real(-0.6, 0.6)
+        table["center_of_mass_offset"] = length * draw.real(-0.6, 0.6)
     if draw.chance(0.5):
-        found["center_of_mass"] = length * draw.real(-0.5, 1.5)
+        table["center_of_mass"] = length * draw.real(-0.5, 1.5)
     if draw.chance(0.25):
-        found |= {"shape": "box", "height": length * draw.power(0.1, 2.0)}
+        table |= {"shape": "box", "height": length * draw.power(0.1, 2.0)}
     points = [
         {"x": length * draw.real(-0.5, 1.5), "y": length * draw.real(-0.8, 0.8)}
         for _ in range(draw.whole(0, 3))
@@ -102,18 +102,18 @@ def link(draw: Draw, grounded: bool) -> dict[str, Any]:
     for point in points:
         if draw.chance(0.5):
             point["radius"] = draw.power(1e-3, 0.05)
-    found["points"] = points
+    table["points"] = points
     if grounded:
-        found["joint_damping"] = draw.power(1e-3, 0.3) * draw.chance(0.4)
-        found["joint_stiffness"] = draw.power(0.1, 30.0) * draw.chance(0.4)
-        found["joint_friction"] = draw.power(1e-2, 1.0) * draw.chance(0.15)
-        found["joint_armature"] = draw.power(1e-4, 1e-2) * draw.chance(0.0)
-    return found
+        table["joint_damping"] = draw.power(1e-3, 0.3) * draw.chance(0.4)
+        table["joint_stiffness"] = draw.power(0.1, 30.0) * draw.chance(0.4)
+        table["joint_friction"] = draw.power(1e-2, 1.0) * draw.chance(0.15)
+        table["joint_armature"] = draw.power(1e-4, 1e-2) * draw.chance(0.0)
+    return table
 
 
 def slider_of(draw: Draw) -> dict[str, Any]:
     """Return the table of a slider with some of its possible features."""
-    found = {
+    table = {
         "angle": draw.one((0.0, math.pi / 2, draw.real(-math.pi, math.pi))),
         "mass": draw.one((0.0, draw.power(0.1, 5.0)), (0.2, 0.8)),
         "damping": draw.power(0.01, 3.0) * draw.chance(0.4),
@@ -123,12 +123,12 @@ def slider_of(draw: Draw) -> dict[str, Any]:
     }
     for key, sign, none in (("min", -1.0, 0.1), ("max", 1.0, 0.0)):
         if draw.chance(0.5):
-            found[key] = sign * draw.one((0.0, draw.real(0.02, 0.5)), (none, 1.0 - none))
-    return found
+            table[key] = sign * draw.one((0.0, draw.real(0.02, 0.5)), (none, 1.0 - none))
+    return table
 
 
 def with_drives(data: dict[str, Any], draw: Draw) -> dict[str, Any]:
-    """Add drives with targets, forces or limits to a table, and return it; a pinned base, walls may move."""
+    """Return the table with drives that have targets, forces or limits; a pinned base and walls may move."""
     chain, count = data["chain"], len(data["chain"]["links"])
     joints, slides = range(1 + (chain["base"] == "free"), count + 1), chain["base"] == "slider"
     follow, pushed, stop = draw.chance(0.5), draw.chance(0.5), data["simulation"]["stop_time"]
@@ -144,7 +144,7 @@ def with_drives(data: dict[str, Any], draw: Draw) -> dict[str, Any]:
     if slides and draw.chance(0.4):
         chain["slider"]["force_limit"] = draw.power(0.1, 30.0)
     still = chain["base"] == "pinned" and draw.chance(0.4)
-    # walls that no point may touch are left out of the names, and do not move
+    # ``wall_names`` leaves out walls that no point may touch; these do not move
     there = scene_from_dict(data, "bodies").wall_names
     moving = [wall["name"] for wall in data["walls"] if draw.chance(0.5) and wall["name"] in there]
     data["inputs"] = {
@@ -193,7 +193,7 @@ def contact(draw: Draw, count: int, base: str) -> dict[str, Any]:
     """
     law = CONTACT_LAWS[draw.one([*CONTACT_LAWS])]
     movable = range(base == "pinned", count + 1)
-    found: dict[str, Any] = {
+    table: dict[str, Any] = {
         "model": law.id,
         "exponent": law.exponent or draw.one((1.5, 1.0, draw.real(1.0, 2.5))),
         "stiffness": draw.power(1e4, 1e8),
@@ -202,14 +202,14 @@ def contact(draw: Draw, count: int, base: str) -> dict[str, Any]:
         "points": [k for k in movable if draw.chance(0.3)],
     }
     if draw.chance(0.5) and not law.rigid:
-        found["friction"] = draw.real(0.05, 1.2)
-        found["static_friction"] = found["friction"] * draw.one((0.0, draw.real(1.0, 1.4)))
-    return found
+        table["friction"] = draw.real(0.05, 1.2)
+        table["static_friction"] = table["friction"] * draw.one((0.0, draw.real(1.0, 1.4)))
+    return table
 
 
 def walls(draw: Draw, scene: Scene, driven: bool) -> list[dict[str, Any]]:
     """Return one to three walls near the points that may touch; ``driven``: also near a pinned base."""
-    links, found = len(scene.chain.links), []
+    links, tables = len(scene.chain.links), []
     may = {point for point in scene.start if point > links} | {*scene.contact.points}
     if driven and scene.chain.base == "pinned":
         may.add(0)  # base and walls must not move through each other
@@ -221,8 +221,8 @@ def walls(draw: Draw, scene: Scene, driven: bool) -> list[dict[str, Any]]:
         nx, ny = -math.sin(angle), math.cos(angle)
         least = min((nx * x + ny * y - radius for x, y, radius in places), default=0.0)
         at = least - draw.one((0.0, draw.power(1e-6, 1e-2), draw.real(0.01, 0.5)), (0.1, 0.1, 0.8))
-        found.append({"name": f"w{number}", "point": [nx * at, ny * at], "angle": angle})
-    return found
+        tables.append({"name": f"w{number}", "point": [nx * at, ny * at], "angle": angle})
+    return tables
 
 
 def faults(seed: int) -> list[str]:
@@ -257,18 +257,18 @@ def wrong_energy(run: Result) -> list[str]:
     balance = energy["total"] + energy["dissipated"] - energy["supplied"]
     size = max(np.abs(energy[name]).max() for name in ("kinetic", "potential", "elastic", "dissipated"))
     off = np.abs(balance - balance[0]).max() / (size or 1.0)
-    found = (
+    messages = (
         [f"energy: off by {off:.1e} of {size:.3g} J"] if off > BALANCE * run.scene.solver.tolerance else []
     )
     fall = -np.diff(energy["dissipated"]).min(initial=0.0) / (size or 1.0)
     if fall > FALL * run.scene.solver.tolerance:
-        found.append(f"energy: dissipation falls by {fall:.1e} of {size:.3g} J")
-    return found
+        messages.append(f"energy: dissipation falls by {fall:.1e} of {size:.3g} J")
+    return messages
 
 
 def wrong_motion(run: Result) -> list[str]:
     """Return faults of accelerations and penetrations, compared with the independent model."""
-    scene, found, model = run.scene, [], BodyModel(of_rows(run.scene))
+    scene, messages, model = run.scene, [], BodyModel(of_rows(run.scene))
     inputs = {*inputs_of(scene)} & {*run.names}
     for row in range(len(run.time)):
         model.base |= {name: run[name][row] for name in inputs}
@@ -287,9 +287,11 @@ def wrong_motion(run: Result) -> list[str]:
             gap = place.gap[0, c].real - model.value(f"wall.{name}.displacement")[0].real
             rigid = CONTACT_LAWS[scene.contact.model].rigid
             if gap < -max(DEEP, 30.0 * scene.solver.tolerance) and not (rigid or depth > 0.0):
-                found.append(f"behind: {of} is {-gap:.1e} beyond, without contact, at {run.time[row]:g} s")
+                messages.append(f"behind: {of} is {-gap:.1e} beyond, without contact, at {run.time[row]:g} s")
             if depth > 0.0 and abs(depth + gap) > DEEP:
-                found.append(f"depth: {of} is {depth:.9g}, by its place {-gap:.9g}, at {run.time[row]:g} s")
+                messages.append(
+                    f"depth: {of} is {depth:.9g}, by its place {-gap:.9g}, at {run.time[row]:g} s"
+                )
             force = force + model.gradient(place, c)[0] * push
             sizes.append(abs(push))
         for joint in {joint for joint, _ in scene.chain.stops}:
@@ -302,8 +304,10 @@ def wrong_motion(run: Result) -> list[str]:
             sizes.append(abs(rub))
         left = model.ways[0].T @ (place.mass[0] @ q - force)
         if np.abs(left).max() > RESIDUAL * max(sizes):
-            found.append(f"newton: {np.abs(left).max():.1e} N of {max(sizes):.2e} N at {run.time[row]:g} s")
-    return found
+            messages.append(
+                f"newton: {np.abs(left).max():.1e} N of {max(sizes):.2e} N at {run.time[row]:g} s"
+            )
+    return messages
 
 
 def of_rows(scene: Scene) -> Scene:
@@ -341,8 +345,8 @@ if __name__ == "__main__":
     first, count = int(sys.argv[1]), int(sys.argv[2])
     kinds: Counter[str] = Counter()
     for number in range(first, first + count):
-        told = faults(number)
-        kinds.update({text.partition(":")[0] for text in told} or {"right"})
-        for text in told[:3]:
+        messages = faults(number)
+        kinds.update({text.partition(":")[0] for text in messages} or {"right"})
+        for text in messages[:3]:
             print(number, text, flush=True)
     print(dict(kinds))

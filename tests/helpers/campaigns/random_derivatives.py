@@ -79,7 +79,7 @@ PARAMETERS = (
 
 @dataclass
 class Checked:
-    """The numbers of compared derivatives and of rows with one, and the wrong derivatives.
+    """The numbers of compared derivatives and of rows with any of these, and the wrong derivatives.
 
     A wrong derivative is a tuple: parameter, time [s], output or impact, derivative, and difference.
     """
@@ -220,12 +220,12 @@ def check(kind: str, seed: int) -> Checked:
     case = given(kind, seed)
     if case is None:
         return Checked()
-    found = compare(*case)
-    if found.wrong:
+    checked = compare(*case)
+    if checked.wrong:
         finer = case[0].with_values({"solver.tolerance": 1e-12})
         again = {fault[:3] for fault in compare(finer, *case[1:], scale=3.0).wrong}
-        found.wrong = [fault for fault in found.wrong if fault[:3] in again]
-    return found
+        checked.wrong = [fault for fault in checked.wrong if fault[:3] in again]
+    return checked
 
 
 def compare(scene: Scene, inputs: dict[str, Any], parameters: list[str], scale: float = 1.0) -> Checked:
@@ -237,13 +237,13 @@ def compare(scene: Scene, inputs: dict[str, Any], parameters: list[str], scale: 
         warnings.simplefilter("ignore")
         try:
             result = simulate(scene, inputs=inputs, sensitivities=parameters)
-            found = Checked()
+            checked = Checked()
             for parameter in parameters:
                 near = [moved(scene, inputs, parameter, scale * size) for size in SIZES]
-                compare_one(result, parameter, scene.values[parameter], near, found)
+                compare_one(result, parameter, scene.values[parameter], near, checked)
         except SimulationError:
             return Checked()
-    return found
+    return checked
 
 
 def moved(scene: Scene, inputs: dict[str, Any], parameter: str, size: float) -> tuple[Result, Result, float]:
@@ -256,40 +256,42 @@ def moved(scene: Scene, inputs: dict[str, Any], parameter: str, size: float) -> 
     return more, less, 2.0 * size * value
 
 
-def compare_one(result: Result, parameter: str, value: float, near: Any, found: Checked) -> None:
+def compare_one(result: Result, parameter: str, value: float, near: Any, checked: Checked) -> None:
     """Compare the derivatives of all outputs by a parameter, and of the impacts if all runs have as many.
 
-    ``near`` are the results of ``moved`` for two sizes. The comparison is added to ``found``.
+    ``near`` are the results of ``moved`` for two sizes. The comparison is added to ``checked``.
     """
     by = result.sensitivities
     columns = [name for name in by.columns if name in result.columns and name != "time"]
     values = np.stack([result[name] for name in columns], 1)
     slopes = np.stack([result.sensitivity(name, parameter) for name in columns], 1)
-    one, other = (
+    first, other = (
         np.stack([more[name] - less[name] for name in columns], 1) / width for more, less, width in near
     )
     largest = np.abs(other).max(0)
     floor = LEAST * np.maximum(largest, np.abs(values).max(0) / abs(value))
-    told = OPEN * left_open(result) * largest + ROUND_OFF / abs(near[0][2])
-    wrong, compared = differ(slopes, one, other, floor, told)
-    found.rows += int(compared.any(1).sum())
-    found.compared += int(compared.sum())
+    uncertainty = OPEN * left_open(result) * largest + ROUND_OFF / abs(near[0][2])
+    wrong, compared = differ(slopes, first, other, floor, uncertainty)
+    checked.rows += int(compared.any(1).sum())
+    checked.compared += int(compared.sum())
     for t, j in np.argwhere(wrong):
-        found.wrong.append(
-            (parameter, float(result.time[t]), columns[j], float(slopes[t, j]), float(one[t, j]))
+        checked.wrong.append(
+            (parameter, float(result.time[t]), columns[j], float(slopes[t, j]), float(first[t, j]))
         )
     impacts, all_of_them = result.impacts, [run.impacts for more, less, _ in near for run in (more, less)]
     if any(len(few) != len(impacts) for few in all_of_them):
         return
     for name in DIFFERENTIABLE_COLUMNS:
         rows = result.impact_sensitivity(name, parameter)
-        one, other = ((more.impacts[name] - less.impacts[name]) / width for more, less, width in near)
+        first, other = ((more.impacts[name] - less.impacts[name]) / width for more, less, width in near)
         most = OPEN * left_open(result) * np.nanmax(np.abs(rows), initial=0.0)
-        wrong, compared = differ(rows, one, other, LEAST * np.abs(impacts[name]) / abs(value), most)
-        found.compared += int(compared.sum())
+        wrong, compared = differ(rows, first, other, LEAST * np.abs(impacts[name]) / abs(value), most)
+        checked.compared += int(compared.sum())
         for i in np.flatnonzero(wrong):
             label = f"{name} of impact {i + 1}"
-            found.wrong.append((parameter, float(impacts["onset"][i]), label, float(rows[i]), float(one[i])))
+            checked.wrong.append(
+                (parameter, float(impacts["onset"][i]), label, float(rows[i]), float(first[i]))
+            )
 
 
 def left_open(result: Result) -> float:
@@ -301,24 +303,26 @@ def left_open(result: Result) -> float:
     return max(shares_left_open(result), default=untold)
 
 
-def differ(slopes: Any, one: Any, other: Any, floor: Any, told: Any) -> tuple[np.ndarray, np.ndarray]:
+def differ(
+    slopes: Any, first: Any, other: Any, floor: Any, uncertainty: Any
+) -> tuple[np.ndarray, np.ndarray]:
     """Return which derivatives are wrong, and which are compared: those for which both differences agree.
 
-    ``one`` and ``other`` are the differences. ``floor`` is the least size to which errors are relative, and
-    ``told`` the error that the run reports, with the round-off of differences.
+    ``first`` and ``other`` are the differences. ``floor`` is the least size to which errors are relative, and
+    ``uncertainty`` the error that the run reports, with the round-off of differences.
     """
-    size, apart = np.maximum(np.abs(other), floor + 1e-9), np.abs(one - other)
+    size, apart = np.maximum(np.abs(other), floor + 1e-9), np.abs(first - other)
     compared = (apart <= AGREE * size) & ~np.isnan(slopes)
-    return compared & ~(np.abs(slopes - one) <= WRONG * size + 3.0 * apart + told), compared
+    return compared & ~(np.abs(slopes - first) <= WRONG * size + 3.0 * apart + uncertainty), compared
 
 
 def main() -> None:
     kind, first, count = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
     rows, compared = 0, 0
     for seed in range(first, first + count):
-        found = check(kind, seed)
-        rows, compared = rows + found.rows, compared + found.compared
-        for fault in found.wrong[:3]:
+        checked = check(kind, seed)
+        rows, compared = rows + checked.rows, compared + checked.compared
+        for fault in checked.wrong[:3]:
             print(kind, seed, *fault)
     print(f"{kind}: {count} scenes, {rows} rows, {compared} derivatives")
 

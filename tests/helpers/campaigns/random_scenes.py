@@ -60,8 +60,8 @@ def scene(seed: int) -> Scene:
 
     Every third scene asks for loads, which does not change the motion.
     """
-    found = _KINDS[max(first for first in _KINDS if first <= seed)](seed)
-    return found if seed % 3 else with_values(found, {("outputs", "loads"): True})
+    scene_of_seed = _KINDS[max(first for first in _KINDS if first <= seed)](seed)
+    return scene_of_seed if seed % 3 else with_values(scene_of_seed, {("outputs", "loads"): True})
 
 
 def sprung(scene: Scene, draw: Draw, weakest: float = 1e-3, stiffest: float = 1e6) -> Scene:

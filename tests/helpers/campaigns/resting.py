@@ -88,14 +88,14 @@ def stopped(draw: Draw, damped: bool) -> Table:
     base = draw.one(("pinned", "free"), (0.8, 0.2))
     if base == "free" and len(links) == 1:
         links.append(link(draw))
-    for one in links if base == "pinned" else links[1:]:
-        one["joint_min"], one["joint_max"] = -draw.real(0.1, 1.5), draw.real(0.1, 1.5)
+    for link_table in links if base == "pinned" else links[1:]:
+        link_table["joint_min"], link_table["joint_max"] = -draw.real(0.1, 1.5), draw.real(0.1, 1.5)
         if damped:
-            one["joint_damping"] = moment(one) * draw.power(0.01, 100.0)
+            link_table["joint_damping"] = moment(link_table) * draw.power(0.01, 100.0)
         else:
-            dry(draw, one)
-            one["joint_stiffness"] = moment(one) * draw.power(0.01, 1000.0)
-            one["joint_damping"] = moment(one) * draw.power(0.001, 1.0) * draw.chance(0.5)
+            dry(draw, link_table)
+            link_table["joint_stiffness"] = moment(link_table) * draw.power(0.01, 1000.0)
+            link_table["joint_damping"] = moment(link_table) * draw.power(0.001, 1.0) * draw.chance(0.5)
     table = scene_table(draw, base, links, spin=4.0)
     bends = [draw.real(0.9 * part.get("joint_min", -3.4), 0.9 * part.get("joint_max", 3.4)) for part in links]
     table["initial"]["angles"] = np.cumsum(bends).tolist()
@@ -136,32 +136,32 @@ KINDS: dict[str, Callable[[Draw], Table]] = {
 def link(draw: Draw) -> Table:
     """Return a uniform link, or a link with its own centre of mass and inertia."""
     length, mass = draw.power(0.1, 1.0), draw.power(0.2, 5.0)
-    one = {"length": length, "mass": mass}
+    link_table = {"length": length, "mass": mass}
     if draw.chance(0.3):
-        one["center_of_mass"] = length * draw.real(0.1, 0.9)
-        one["inertia"] = mass * length * length / 12.0 * draw.power(0.2, 5.0)
-    return one
+        link_table["center_of_mass"] = length * draw.real(0.1, 0.9)
+        link_table["inertia"] = mass * length * length / 12.0 * draw.power(0.2, 5.0)
+    return link_table
 
 
-def moment(one: Table) -> float:
+def moment(link_table: Table) -> float:
     """Return the moment [N·m] of the weight of a horizontal link."""
-    return 0.5 * 9.81 * float(one["mass"] * one["length"])
+    return 0.5 * 9.81 * float(link_table["mass"] * link_table["length"])
 
 
-def dry(draw: Draw, one: Table) -> Table:
+def dry(draw: Draw, link_table: Table) -> Table:
     """Give a link's joint dry friction, and return the link; some joints can hold it horizontal."""
-    one["joint_friction"] = moment(one) * draw.power(0.03, 30.0)
-    return one
+    link_table["joint_friction"] = moment(link_table) * draw.power(0.03, 30.0)
+    return link_table
 
 
-def resist(draw: Draw, one: Table, share: float = 0.3) -> None:
+def resist(draw: Draw, link_table: Table, share: float = 0.3) -> None:
     """Give the joint of a link a damper, a spring and a rotor, each with the probability ``share``."""
     if draw.chance(share):
-        one["joint_damping"] = moment(one) * draw.power(0.001, 10.0)
+        link_table["joint_damping"] = moment(link_table) * draw.power(0.001, 10.0)
     if draw.chance(share):
-        one["joint_stiffness"] = moment(one) * draw.power(0.01, 100.0)
+        link_table["joint_stiffness"] = moment(link_table) * draw.power(0.01, 100.0)
     if draw.chance(share):
-        one["joint_armature"] = one["mass"] * one["length"] ** 2 * draw.power(0.001, 1.0)
+        link_table["joint_armature"] = link_table["mass"] * link_table["length"] ** 2 * draw.power(0.001, 1.0)
 
 
 def rigid(draw: Draw) -> Table:
@@ -235,18 +235,18 @@ AT_REST = 1e-9  # [1/s] the largest speed at rest, over a link length
 
 def run(kind: str, seed: int, lasting: float) -> Run:
     """Run a scene for a time [s], and return its results."""
-    one, began = scene(kind, seed), time.perf_counter()
+    scene_of_run, began = scene(kind, seed), time.perf_counter()
     try:
-        instance = Instance(one)
+        instance = Instance(scene_of_run)
     except SimulationError as error:
         return Run(kind, seed, error.status, 0.0, False, 0.0, 0, 0.0)
-    times, done = np.linspace(0.0, lasting, ROWS + 1)[1:], 0
+    times, completed = np.linspace(0.0, lasting, ROWS + 1)[1:], 0
     rows = np.zeros(ROWS, instance.record.dtype["output"])
-    while done < ROWS and instance.status == OK:
-        done += instance.trajectory(times[done:], rows[done:])
+    while completed < ROWS and instance.status == OK:
+        completed += instance.trajectory(times[completed:], rows[completed:])
         instance.collect()
-    late = rows[: max(done, 1)][done // 2 :]
-    size = max(part.length for part in one.chain.links)
+    late = rows[: max(completed, 1)][completed // 2 :]
+    size = max(part.length for part in scene_of_run.chain.links)
     speeds = max(np.abs(late["angular_velocity"]).max() * size, np.abs(late["point_velocity"]).max())
     settled = late[len(late) // 2 :]  # the step in which the chain comes to rest may be long
     balance = settled["total"] + settled["dissipated"] - settled["supplied"]
@@ -257,7 +257,7 @@ def run(kind: str, seed: int, lasting: float) -> Run:
         seed,
         instance.status,
         instance.time,
-        bool(done == ROWS and speeds < AT_REST * size),
+        bool(completed == ROWS and speeds < AT_REST * size),
         float(np.ptp(balance)) / scale,
         instance.statistics["steps"],
         time.perf_counter() - began,
@@ -282,14 +282,14 @@ def main() -> None:
     for kind in options.kinds or KINDS:
         ends, early, still, worst, slow = Counter[str](), [], 0, 0.0, None
         began = time.perf_counter()
-        for one in runs(
+        for rest in runs(
             kind, range(options.first, options.first + options.count), options.lasting, options.threads
         ):
-            ends["ok" if one.status == OK else STATUS_NAME[one.status]] += 1
-            early += [one] if one.status != OK else []
-            still += one.rests
-            worst = max(worst, one.drift if one.rests else 0.0)
-            slow = one if slow is None or one.seconds > slow.seconds else slow
+            ends["ok" if rest.status == OK else STATUS_NAME[rest.status]] += 1
+            early += [rest] if rest.status != OK else []
+            still += rest.rests
+            worst = max(worst, rest.drift if rest.rests else 0.0)
+            slow = rest if slow is None or rest.seconds > slow.seconds else slow
         took = time.perf_counter() - began
         print(f"{kind}: {dict(ends)}, {still} at rest, drift {worst:.1e}, {took:.0f} s", flush=True)
         print(*(f"  {ended}" for ended in early[:20]), f"  slowest {slow}", sep="\n", flush=True)

@@ -23,8 +23,8 @@ RESTS = 1e-6  # [m/s or rad/s] the largest speed at rest
 SIZES = (1e-6, 1e-5)  # sizes of the differences: the rest position of a chain is known to about 1e-10 rad
 # largest distance of two differences that count as converged, over the largest derivative of a position
 CONVERGED = 1e-2
-RIGHT = 2e-2  # largest error of a derivative, over the largest derivative of a position
-NAN, WRONG, FOUND, OPEN, MOVES = (
+LARGEST_ERROR = 2e-2  # largest error of a derivative, over the largest derivative of a position
+NAN, WRONG, CORRECT, OPEN, MOVES = (
     "no derivative",
     "wrong",
     "right",
@@ -80,8 +80,8 @@ def rests(scene: Scene, result: Result) -> bool:
 
 def shares_left_open(result: Result) -> list[float]:
     """Return the errors of derivatives that a run reports, over the largest derivative."""
-    told = [limit for limit in result.sensitivity_limits if "off by " in limit]
-    return [float(limit.split("off by ")[1].split()[0]) for limit in told]
+    limits = [limit for limit in result.sensitivity_limits if "off by " in limit]
+    return [float(limit.split("off by ")[1].split()[0]) for limit in limits]
 
 
 def check(seed: int) -> list[str]:
@@ -100,7 +100,7 @@ def check(seed: int) -> list[str]:
 
 
 def verdict(scene: Scene, result: Result, parameter: str) -> str:
-    """Return NAN, WRONG, FOUND or OPEN for the derivatives at rest by a parameter.
+    """Return NAN, WRONG, CORRECT or OPEN for the derivatives at rest by a parameter.
 
     They are compared with central differences of runs at a smaller tolerance; OPEN: these do not converge.
     """
@@ -122,15 +122,15 @@ def verdict(scene: Scene, result: Result, parameter: str) -> str:
     slopes = np.array([result.sensitivity(name, parameter)[-1] for name in names])
     if np.isnan(slopes).any():
         return NAN
-    return FOUND if np.abs(slopes - near[0]).max() < RIGHT * largest else WRONG
+    return CORRECT if np.abs(slopes - near[0]).max() < LARGEST_ERROR * largest else WRONG
 
 
 if __name__ == "__main__":
     first, count = int(sys.argv[1]), int(sys.argv[2])
-    found: Counter[str] = Counter()
+    counts: Counter[str] = Counter()
     for seed in range(first, first + count):
         verdicts = check(seed)
-        found.update(verdicts)
+        counts.update(verdicts)
         if WRONG in verdicts or NAN in verdicts:
             print(seed, *verdicts)
-    print(dict(found))
+    print(dict(counts))

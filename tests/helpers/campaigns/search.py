@@ -180,14 +180,16 @@ def main() -> None:
     parser.add_argument("--cpu", type=float, default=CPU, help="CPU time that a run may take [s]")
     options = parser.parse_args()
     ends: Counter[str] = Counter()
-    found: dict[str, list[str]] = defaultdict(list)
-    for one in verdicts(range(options.first, options.first + options.count), options.cpu, options.cores):
-        ends["the process ended before the run" if one.status is None else STATUS_TEXT[one.status]] += 1
-        for kind in one.kinds:
-            found[kind].append(str(one))
+    texts_of_kinds: dict[str, list[str]] = defaultdict(list)
+    for outcome in verdicts(range(options.first, options.first + options.count), options.cpu, options.cores):
+        ends[
+            "the process ended before the run" if outcome.status is None else STATUS_TEXT[outcome.status]
+        ] += 1
+        for kind in outcome.kinds:
+            texts_of_kinds[kind].append(str(outcome))
     for title, texts in [
         ("ends", [f"{count} runs: {text}" for text, count in ends.most_common()]),
-        *found.items(),
+        *texts_of_kinds.items(),
     ]:
         print(f"{title}: {len(texts)}", *texts, sep="\n  ")
 

@@ -26,8 +26,8 @@ def kernel_of(instance: Instance) -> CDLL:
 
 def tangents_of(instance: Instance) -> np.ndarray:
     """Return the records of dual numbers behind the record of an instance with derivatives."""
-    found: np.ndarray = instance._tangents  # type: ignore[attr-defined]
-    return found
+    tangents: np.ndarray = instance._tangents  # type: ignore[attr-defined]
+    return tangents
 
 
 def initialize(instance: Instance, time: float = 0.0) -> int:

@@ -111,7 +111,7 @@ def _initialized_record(pickled: bytes) -> np.ndarray:
 def initialized(scene: Scene) -> Plain:
     """Return an instance of a scene at the start of its run, at 0 s.
 
-    Equal scenes are initialized once, but in a test that replaces functions (tests/kernel/conftest.py).
+    Equal scenes are initialized once, except in a test that replaces functions (tests/kernel/conftest.py).
     """
     begin = _initialized_record if initialized.is_shared else _initialized_record.__wrapped__
     return Plain(begin(pickle.dumps(scene)).copy()[0])
@@ -131,9 +131,9 @@ def make_rigid(d: Plain, rigid: Any = 1) -> None:
 
 
 def pack(d: Plain) -> None:
-    """Pack the active contacts as the solver does, and reset the quadratures.
+    """List the active contacts as the solver does, those with a force first, and reset the quadratures.
 
-    Those with a force come first, and have no constraint in the active set.
+    Contacts with a force have no constraint in the active set.
     """
     packed = sorted(np.flatnonzero(d.contacts.active), key=lambda c: d.law.rigid[c])
     d.contacts.active_index[: len(packed)] = packed

@@ -25,13 +25,13 @@ from tests.helpers.kernel.plain import Plain, as_plain_python
 
 GROUPS = ("link_vector", "position", "velocity", "acceleration")
 CALLERS = 3
-"""The number of functions, from the reader outward, among which a state ``y`` is looked for."""
+"""The number of functions, the reader and its callers, in which a state ``y`` is looked for."""
 AT_END = ("latch_onset", "find_lone_contact", "update_extremes", "choose_friction_modes")
 """The functions without an argument y that need the points at the end of the last step."""
 LINEAR = ("project_coordinates",)
 """The functions that move y, and are linear about the points located before."""
 BESIDE = ("work_of_holding", "work_of_sliding", "work_along")
-"""The functions that use forces of friction from beside the located state, for a way as small as an error."""
+"""The functions that use forces of friction of another state, which differs only by an error."""
 
 
 class StaleError(AssertionError):
@@ -109,7 +109,7 @@ class Stamped(np.ndarray):
     stamps: Stamps | None = None
     group = ""
     written: dict[Any, bytes] | None = None
-    """Of a group that is written number by number: index → stamp."""
+    """Index → stamp, in a group that is written number by number."""
 
     def __getitem__(self, at: Any) -> Any:
         of_one = self.stamps is not None and np.ndim(at) == 0 and not isinstance(at, slice)
@@ -178,7 +178,7 @@ def watched() -> Iterator[None]:
     """Let the kernel run as plain Python, and write the stamps of instances that carry them."""
     with ExitStack() as stack:
         stack.enter_context(as_plain_python())
-        for module in [one for name, one in sys.modules.items() if name.startswith("chain_impact.kernel")]:
+        for module in [sys.modules[name] for name in sys.modules if name.startswith("chain_impact.kernel")]:
             for name, function in vars(module).copy().items():
                 if callable(function) and function in WRITERS:
                     with_stamp = wraps(function)(partial(_with_stamp, function))

@@ -59,7 +59,7 @@ def triple_pendulum(figure: Figure) -> None:
 
 
 def golf_ball(figure: Figure) -> None:
-    """Draw height over time, and the delays of the heard impacts after the simulated impacts."""
+    """Draw height over time, and the time from each simulated impact to the impact that was heard."""
     heard, result = heard_impacts(), simulate("golf_ball")
     late = 1000 * (heard - result.impacts["onset"])
     height, delay = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
@@ -102,8 +102,8 @@ def steel_bar(figure: Figure) -> None:
     force.plot(1e3 * (times + first)[touching], theory[touching], ".", color=BLACK, markersize=4, label=BEAM)
     force.set(xlabel="time [ms]", ylabel="force [N]", xlim=(0, 3), ylim=(0, None))
     some = np.linspace(0.1, 0.5, 33)
-    found = [bar.restitution(impulse(bar.chain(scene, 20, 1e-8))) for bar in map(Bar, some)]
-    lengths.plot(some, found, color=BLUE, linewidth=1.4)
+    restitutions = [bar.restitution(impulse(bar.chain(scene, 20, 1e-8))) for bar in map(Bar, some)]
+    lengths.plot(some, restitutions, color=BLUE, linewidth=1.4)
     few = (0.3, 0.4, 0.5)
     exact = [bar.restitution(bar.impact(times)[1]) for bar in map(Bar, few)]
     lengths.plot(few, exact, ".", color=BLACK, markersize=7)

@@ -216,11 +216,11 @@ def _rigid_slide(half: float, friction: float, weight: float, angle: float) -> G
         return left(y[0]) - 1e-9
 
     singular.terminal = True  # type: ignore[attr-defined]
-    done = solve_ivp(
+    solution = solve_ivp(
         rate, (0.0, 2.0), [angle, 0.0, 30.0], method="DOP853", rtol=1e-12, atol=1e-13, events=singular
     )
-    phi, spin, speed = done.y[:, -1]
-    return GlockerRod("0.83", float(done.t[-1]), float(phi), float(spin), float(speed))
+    phi, spin, speed = solution.y[:, -1]
+    return GlockerRod("0.83", float(solution.t[-1]), float(phi), float(spin), float(speed))
 
 
 # --- Painlevé's rod, after Stewart and Trinkle -----------------------------------------------------------

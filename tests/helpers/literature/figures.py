@@ -54,6 +54,6 @@ def run(model: str, tolerance: float, scene: Scene | None = None, **changes: Any
 
 
 def problem(model: str, result: Result, figures: Sequence[Figure]) -> Problem:
-    """Return figures together with the cost of a run."""
+    """Return the problem with these figures and the cost of a run."""
     cost = result.statistics
     return Problem(model, list(figures), cost["steps"], cost["rhs_evaluations"])

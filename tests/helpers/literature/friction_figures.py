@@ -124,7 +124,7 @@ def glocker_rod(tolerance: float) -> Problem:
     table, _ = coulomb_literature.glocker_rod(SOFT_FLOOR)
     result = run_table(table, tolerance, stop_time=0.86, output_step=0.86)
     phases = result.stick_slip
-    found = [
+    angles = [
         phases["start"][phases["mode"] == 0][0],
         result.impacts["end"][0],
         result["point[1].vy"][-1],
@@ -136,7 +136,7 @@ def glocker_rod(tolerance: float) -> Problem:
         Figure("it cannot slide on: time [s]", exact.published, exact.time, ours, 2e-5, 0.016, True),
         *(
             unpublished(f"K = 10⁵: {name}", second, value, 2e-8)
-            for name, second, value in zip(names, thrown_up(), found, strict=True)
+            for name, second, value in zip(names, thrown_up(), angles, strict=True)
         ),
     ]
     return problem("glocker_rod", result, figures)

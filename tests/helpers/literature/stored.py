@@ -124,8 +124,8 @@ def ball_on_a_spring(tolerance: float) -> Problem:
         contact = {"model": "hertz", "exponent": 1.0, "restitution": 1.0, "stiffness": SPRING}
         contact["wall"] = {"y_max": {"stiffness": stiffness}}
         scene = ball(CEILING, -speed, WEIGHT, 10.0, {"y_min": FLOOR, "y_max": CEILING}, **contact)
-        found = [run("SiconosBall", tolerance, scene, stop_time=t, output_step=t) for t in times]
-        return np.array([result["point[0].y"][-1] for result in found]), found[-1]
+        runs = [run("SiconosBall", tolerance, scene, stop_time=t, output_step=t) for t in times]
+        return np.array([result["point[0].y"][-1] for result in runs]), runs[-1]
 
     (soft, _), (stiff, result) = heights(SOFT), heights(STIFF)
     ratio = math.sqrt(STIFF / SOFT)  # ratio of the durations of an impact

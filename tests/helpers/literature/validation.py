@@ -39,7 +39,7 @@ SOLFEC = {0.0: "11.6766522245", 0.6: "9.02830180065", 1.0: "0.892467558418", 1.5
 
 
 def double_pendulum_wall(tolerance: float) -> Problem:
-    """Return energies after impacts: stored by a first-order scheme, and of the independent chain."""
+    """Return energies after impacts; the published ones were stored by a first-order scheme."""
     model = "double_pendulum_wall"
     result = run(model, tolerance)
     exact = differentiate(load_scene(model), (), [*SOLFEC, 2.5]).values
@@ -185,9 +185,9 @@ def sphere_on_wall(tolerance: float) -> Problem:
     ]
     for restitution in RESTITUTIONS:
         (hit,) = run(model, tolerance, oxide_sphere(scene, restitution)).impacts
-        found = hit["separation_speed"] / hit["impact_speed"]
+        restitution_of_run = hit["separation_speed"] / hit["impact_speed"]
         quantity = f"test 3: restitution, prescribed {restitution}"
-        figures.append(Figure(quantity, str(restitution), restitution, found, 1e-10))
+        figures.append(Figure(quantity, str(restitution), restitution, restitution_of_run, 1e-10))
     return problem(model, result, figures)
 
 
@@ -261,8 +261,8 @@ def clatter(scene: Scene, impacts: int) -> list[tuple[int, float, float]]:
     half, mass, angle = link.length / 2, link.mass, scene.initial.angles[0]
     inertia = mass * link.length**2 / 12
     height, speed, spin, now = scene.initial.position[1] + half * math.sin(angle), 0.0, 0.0, 0.0
-    found: list[tuple[int, float, float]] = []
-    while len(found) < impacts:
+    contacts: list[tuple[int, float, float]] = []
+    while len(contacts) < impacts:
         state = height, speed, angle, spin
 
         def gap(t: float, side: int, state: tuple[float, ...] = state) -> float:
@@ -288,8 +288,8 @@ def clatter(scene: Scene, impacts: int) -> list[tuple[int, float, float]]:
         impulse = (1 + e) * approach * mass / (1 + 3 * math.cos(angle) ** 2)
         speed += impulse / mass
         spin += arm * impulse / inertia
-        found.append((0 if side < 0 else 1, now, approach))
-    return found
+        contacts.append((0 if side < 0 else 1, now, approach))
+    return contacts
 
 
 # --- an arm with two accumulations of impacts ----------------------------------------------------------

@@ -45,16 +45,16 @@ SHOWN = {
 def rows(problem: Problem) -> list[list[str]]:
     """Return the rows of one problem; the first row names the problem and its source."""
     name = problem.model
-    found: list[list[str]] = []
+    table_rows: list[list[str]] = []
     link = f"[{name}](models/{name}.md)" if name in model_names() else f"`{name}`"
     source, *shown = SHOWN[name]
     for figure in problem.figures:
         if not any(part in figure.quantity for part in shown):
             continue
         deviation = f"{abs(figure.ours - figure.independent):.0e}"
-        first = "" if found else f"{link}, {source}"
-        found.append([first, figure.quantity, published(figure), f"{figure.independent:.7g}", deviation])
-    return found
+        first = "" if table_rows else f"{link}, {source}"
+        table_rows.append([first, figure.quantity, published(figure), f"{figure.independent:.7g}", deviation])
+    return table_rows
 
 
 def published(figure: Figure) -> str:

@@ -43,8 +43,8 @@ def equations(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return H and the right side of H q̈ = −h − G."""
     coupling, differences = (arms.T * MASSES) @ arms, np.subtract.outer(q, q)
-    right = -(coupling * np.sin(differences)) @ w**2 - gravity * (MASSES @ arms) * np.sin(q)
-    return coupling * np.cos(differences), right
+    forces = -(coupling * np.sin(differences)) @ w**2 - gravity * (MASSES @ arms) * np.sin(q)
+    return coupling * np.cos(differences), forces
 
 
 def motion(arms: np.ndarray, gravity: float) -> Callable[[float, np.ndarray], np.ndarray]:

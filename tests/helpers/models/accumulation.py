@@ -80,7 +80,7 @@ def first_accumulation(arm: Arm) -> tuple[float, int, Vector]:
     now, y, last = 0.0, arm.start, {1: -1.0, 2: -1.0}
     flight = 1.0
     while True:
-        done = solve_ivp(
+        solution = solve_ivp(
             arm.rate,
             (now, now + 1.0),
             y,
@@ -91,16 +91,16 @@ def first_accumulation(arm: Arm) -> tuple[float, int, Vector]:
             max_step=min(1e-3, flight / 8),
             events=[arm.falls_on(1), arm.falls_on(2)],
         )
-        now = float(done.t[-1])
-        point = 1 if done.t_events[0].size else 2
-        y = arm.reflected(done.y[:, -1], point, arm.restitution)
+        now = float(solution.t[-1])
+        point = 1 if solution.t_events[0].size else 2
+        y = arm.reflected(solution.y[:, -1], point, arm.restitution)
         flight, last[point] = now - last[point], now
         if flight < SHORT:
             # the duration of all later flights: Σ flight eᵏ from k = 1
             rest = flight * arm.restitution / (1 - arm.restitution)
             # the sum of the later impulses brings the point to rest
             return now + rest, point, arm.reflected(y + rest * arm.rate(now, y), point, 0.0)
-        # the duration of the next flight if the acceleration of the point stays constant
+        # the next flight lasts ``flight`` if the acceleration of the point stays constant
         lift = (arm.speed(y + 1e-7 * arm.rate(now, y), point) - arm.speed(y, point)) / 1e-7
         flight = min(flight, 2 * arm.speed(y, point) / -lift) if lift < 0 else flight
 

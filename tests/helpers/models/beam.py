@@ -71,8 +71,10 @@ class Bar:
 
         start = np.zeros(2 * count + 1)
         start[count] = -self.speed
-        done = solve_ivp(rate, (0.0, times[-1]), start, "DOP853", times, rtol=1e-9, atol=1e-13, max_step=2e-5)
-        return force(done.y), float(done.y[-1, -1])
+        solution = solve_ivp(
+            rate, (0.0, times[-1]), start, "DOP853", times, rtol=1e-9, atol=1e-13, max_step=2e-5
+        )
+        return force(solution.y), float(solution.y[-1, -1])
 
     def restitution(self, impulse: float) -> float:
         """Return the restitution of the bar without vibration: 4 p/(m u) − 1 for the impulse p."""

@@ -47,8 +47,8 @@ def table_impacts(start, amplitude, frequency, restitution, count):
 
     ``start`` is the ball's height [m] and upward speed [m/s] at time 0.
     """
-    time, found, (height, speed) = 0.0, [], start
-    while len(found) < count:
+    time, times, (height, speed) = 0.0, [], start
+    while len(times) < count:
 
         def gap(s, time=time, height=height, speed=speed):
             return height + s * (speed - 0.5 * GRAVITY * s) - amplitude * math.sin(frequency * (time + s))
@@ -62,8 +62,8 @@ def table_impacts(start, amplitude, frequency, restitution, count):
         height = amplitude * math.sin(frequency * time)
         # v⁺ − w = −e (v⁻ − w)
         speed = table - restitution * (speed - GRAVITY * flight - table)
-        found.append(time)
-    return np.array(found)
+        times.append(time)
+    return np.array(times)
 
 
 def period_one(acceleration, frequency, restitution):

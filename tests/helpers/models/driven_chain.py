@@ -55,10 +55,10 @@ class DrivenChain(Textbook):
         """
         n = self.n
         torque = np.where(modes == 0, self.wanted(time, y), modes * np.where(modes == 0, 0.0, self.limit))
-        matrix, right = self.assemble(y[2 : n + 2], y[n + 4 : 2 * n + 4])
-        right[2:] += torque
-        right[2:-1] -= torque[1:]
-        rate = np.concatenate([y[n + 2 : 2 * n + 4], self.answer(matrix, right)])
+        matrix, forces = self.assemble(y[2 : n + 2], y[n + 4 : 2 * n + 4])
+        forces[2:] += torque
+        forces[2:-1] -= torque[1:]
+        rate = np.concatenate([y[n + 2 : 2 * n + 4], self.answer(matrix, forces)])
         turn = np.diff(y[n + 4 : 2 * n + 4], prepend=0)
         return np.append(rate, self.drives * torque @ turn)
 
@@ -81,7 +81,7 @@ class DrivenChain(Textbook):
             )
             time, y = step.t[-1], step.y[:, -1]
             if step.status == 1:
-                ended = [i for i, found in zip(joints, step.t_events, strict=True) if len(found)]
+                ended = [i for i, event_times in zip(joints, step.t_events, strict=True) if len(event_times)]
                 wanted, modes = self.wanted(time, y), modes.copy()
                 for i in ended:
                     modes[i] = 0.0 if modes[i] else np.sign(wanted[i])

@@ -66,12 +66,12 @@ def simulated_quarter_period(tolerance: float) -> float:
     A corner sinks by δ = (m g/K)^(2/3). The time is a series in δ; each step of the extrapolation removes one
     power.
     """
-    found = []
+    onsets = []
     for stiffness in STIFFNESSES:
         scene = load_scene("rocking_block").with_values({"contact.stiffness": stiffness})
         impacts = simulate(scene, 0.3, tolerance=tolerance, output_step=math.inf).impacts
-        found.append(impacts["onset"][impacts["point"] == 1][0])
-    times = np.array(found)
+        onsets.append(impacts["onset"][impacts["point"] == 1][0])
+    times = np.array(onsets)
     for power in range(1, len(STIFFNESSES)):
         share = 4.0**power  # the ratio of δ^power between two floors, where δ is a quarter
         times = (share * times[1:] - times[:-1]) / (share - 1.0)

@@ -66,23 +66,23 @@ def without_zeros(data: Any) -> Any:
     So a scene has the same hash before and after a new key whose default is such a value, or no value.
     """
     if isinstance(data, dict):
-        return {key: without_zeros(one) for key, one in data.items() if one or key in OPTIONAL}
-    return [without_zeros(one) for one in data] if isinstance(data, list) else data
+        return {key: without_zeros(value) for key, value in data.items() if value or key in OPTIONAL}
+    return [without_zeros(value) for value in data] if isinstance(data, list) else data
 
 
 @cache
 def sources(module: str) -> str:
     """Return a hash of the code of a test module, and of the helpers that it and they import."""
-    found: dict[str, str] = {}
+    codes: dict[str, str] = {}
     left = [module]
     while left:
         name = left.pop()
         stem = name.rpartition(".")[2]
-        if stem not in found and name != OWN_NAME:  # this module has no influence on an answer
+        if stem not in codes and name != OWN_NAME:  # this module has no influence on an answer
             source = file_of(name).read_text("utf-8")
-            found[stem] = code(source)
+            codes[stem] = code(source)
             left += imported(source)
-    return hashlib.sha256("".join(found[stem] for stem in sorted(found)).encode()).hexdigest()
+    return hashlib.sha256("".join(codes[stem] for stem in sorted(codes)).encode()).hexdigest()
 
 
 def file_of(module: str) -> Path:
@@ -92,11 +92,11 @@ def file_of(module: str) -> Path:
 def imported(source: str) -> list[str]:
     """Return the helpers that a source imports."""
     assert "import tests" not in source, "only `from tests… import` is followed"
-    found = []
+    modules = []
     for arrow in (node for node in ast.walk(ast.parse(source)) if imports_from(node, ROOM)):
         exists = file_of(arrow.module).exists()
-        found += [arrow.module] if exists else [f"{arrow.module}.{one.name}" for one in arrow.names]
-    return found
+        modules += [arrow.module] if exists else [f"{arrow.module}.{name.name}" for name in arrow.names]
+    return modules
 
 
 def imports_from(node: ast.AST, *packages: str) -> bool:

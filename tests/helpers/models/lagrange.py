@@ -41,14 +41,14 @@ def lagrange(count):
     lagrangian = kinetic - potential
     momenta = [lagrangian.diff(rate) for rate in qd]
     matrix = sympy.Matrix([[momentum.diff(rate) for rate in qd] for momentum in momenta])
-    right = sympy.Matrix(
+    force = sympy.Matrix(
         [
             lagrangian.diff(a) + work.diff(a) - rayleigh.diff(b) - time_derivative(momentum)
             for a, b, momentum in zip(q, qd, momenta, strict=True)
         ]
     )
     arguments = [q, qd, m, length, centre, inertia, damping, stiffness, rest, torque, (gx, gy), pinned, load]
-    return sympy.lambdify(arguments, matrix, cse=True), sympy.lambdify(arguments, right, cse=True)
+    return sympy.lambdify(arguments, matrix, cse=True), sympy.lambdify(arguments, force, cse=True)
 
 
 def lagrange_accelerations(scene, angles, velocities, torques, loads):
@@ -59,8 +59,8 @@ def lagrange_accelerations(scene, angles, velocities, torques, loads):
     names += ("joint_damping", "joint_stiffness", "joint_rest_angle")
     columns = [[getattr(link, name) for link in links] for name in names]
     arguments = [(0.0, 0.0, *angles), velocities, *columns, torques, scene.gravity, pinned, loads.ravel()]
-    matrix, right = (np.array(f(*arguments), float) for f in lagrange(len(links)))
+    matrix, force = (np.array(f(*arguments), float) for f in lagrange(len(links)))
     free = slice(2, None) if pinned else slice(None)
     result = np.zeros(len(links) + 2)
-    result[free] = np.linalg.solve(matrix[free, free], right[free, 0])
+    result[free] = np.linalg.solve(matrix[free, free], force[free, 0])
     return result

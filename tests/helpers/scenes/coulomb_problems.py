@@ -1,6 +1,6 @@
 """Scenes with Coulomb friction at walls, or in a joint, that have exact answers.
 
-Each builder but ``lying`` returns the table of a scene, inputs, if any, and the exact motion. Units are SI.
+Each builder except ``lying`` returns the table of a scene, inputs if any, and the exact motion. Units are SI.
 
 Bodies that lie start at a clearance of 0 and settle on the contact forces; this does not change the results.
 Along and across a wall that rises by α, with s = sign(v_t),
@@ -259,12 +259,12 @@ class Pushed:
 
     def changes(self) -> list[tuple[float, str]]:
         """Return the times [s] at which "slip" begins, and at which "stick" begins after motion."""
-        legs, found = self.legs(), []
+        legs, mode_changes = self.legs(), []
         for before, leg in itertools.pairwise(legs):
             moved, moves = (any((state.velocity, state.acceleration)) for state in (before, leg))
             if moved != moves:
-                found.append((leg.time, "slip" if moves else "stick"))
-        return found
+                mode_changes.append((leg.time, "slip" if moves else "stick"))
+        return mode_changes
 
 
 def pushes(strength: float, count: int, begin: float) -> tuple[tuple[float, ...], tuple[float, ...]]:

@@ -77,10 +77,10 @@ def from_arrays(data: Arrays) -> Derivatives:
 @cache
 def _exact(case: Case, tolerance: float) -> Derivatives:
     given = case.parameters, case.times, dict(case.inputs), tolerance
-    found = from_arrays(
+    arrays = from_arrays(
         kept(lambda: as_arrays(differentiate(case.scene, *given)), ORACLE, case.scene, *given)
     )
-    return replace(found, values=add_joints(found.values), slopes=add_joints(found.slopes))
+    return replace(arrays, values=add_joints(arrays.values), slopes=add_joints(arrays.slopes))
 
 
 def exact(case: Case, tolerance: float = 1e-12) -> Derivatives:
@@ -89,9 +89,9 @@ def exact(case: Case, tolerance: float = 1e-12) -> Derivatives:
 
 
 def add_joints(named: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Return ``named`` with those of joints, too: a link's value or derivative minus that of the link before.
+    """Return ``named`` with entries of joints added: the entry of link i minus that of link i − 1.
 
-    Joint 1 has that of link 1.
+    The entry of joint 1 is that of link 1.
     """
     joints, before = {}, {"angle": 0.0, "angular_velocity": 0.0}
     for name, value in named.items():
@@ -118,10 +118,7 @@ def start(spins: Any = None, **more: Any) -> dict[str, Any]:
 
 
 def struck_twice(law: str, restitution: float = 0.7, stiffness: float = 1e7) -> Case:
-    """Return two links that fall onto the floor: three impacts at two points until 0.3 s.
-
-    At 0.2022 s one lasts.
-    """
+    """Return two links that fall onto the floor: three impacts at two points, one of them at 0.2022 s."""
     scene = table(
         [
             {"length": 0.5, "mass": 1.0},
@@ -344,20 +341,20 @@ def size_of(case: Case, parameter: str) -> float:
     return abs(case.value(parameter)) or 1.0
 
 
-def off(found: np.ndarray, right: np.ndarray, values: np.ndarray, unit: float) -> float:
+def off(result: np.ndarray, expected: np.ndarray, values: np.ndarray, unit: float) -> float:
     """Return the error of an output's derivatives by a parameter, over the largest derivative.
 
     ``values`` are those of the output, ``unit`` is the parameter's ``size_of``. Derivatives of an output that
     hardly depends on the parameter are compared with a thousandth of the output over ``unit``. The error is 0
     if no derivative is known (all are NaN), or if these and all values are 0. NaN must stand at the same
-    places in ``found`` and ``right``.
+    places in ``result`` and ``expected``.
     """
-    kept = ~np.isnan(right)
-    assert np.array_equal(kept, ~np.isnan(found))
+    kept = ~np.isnan(expected)
+    assert np.array_equal(kept, ~np.isnan(result))
     if not kept.any():
         return 0.0
-    largest = max(np.abs(right[kept]).max(), 1e-3 * np.abs(values[kept]).max() / unit)
-    return float(np.abs(found - right)[kept].max() / largest) if largest else 0.0
+    largest = max(np.abs(expected[kept]).max(), 1e-3 * np.abs(values[kept]).max() / unit)
+    return float(np.abs(result - expected)[kept].max() / largest) if largest else 0.0
 
 
 def run(case: Case, changes: Mapping[str, float], tolerance: float = 1e-13) -> tuple[np.ndarray, np.ndarray]:

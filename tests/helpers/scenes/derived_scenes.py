@@ -1,4 +1,4 @@
-"""A scene that derives all values that can be derived, and changes with the values in an edited file."""
+"""A scene with given and derived values, changes of its values, and the same changes of its file."""
 
 from __future__ import annotations
 

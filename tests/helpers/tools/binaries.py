@@ -50,16 +50,15 @@ def signed_without_identity(data: bytes) -> bool:
     magic, _, count = struct.unpack_from(">III", data, start)
     parts = dict(struct.unpack_from(">II", data, start + 12 + 8 * i) for i in range(count))
     directory = data[start + parts[0] :]
-    # fields after magic, length and version: flags, places of hashes and name, numbers of hashes, length of
-    # the code
+    # after magic, length and version: flags, places of hashes and name, numbers of hashes, length of the code
     flags, hashes, _, _, pages, length = struct.unpack_from(">6I", directory, 12)
     size, kind, _, page = struct.unpack_from(">4B", directory, 36)
-    found = [
+    computed = [
         hashlib.sha256(data[at : min(at + (1 << page), length)]).digest()
         for at in range(0, length, 1 << page)
     ]
-    said = [directory[hashes + size * i : hashes + size * (i + 1)] for i in range(pages)]
-    return (magic, kind, length) == (0xFADE0CC0, 2, start) and bool(flags & 2) and found == said
+    stored = [directory[hashes + size * i : hashes + size * (i + 1)] for i in range(pages)]
+    return (magic, kind, length) == (0xFADE0CC0, 2, start) and bool(flags & 2) and computed == stored
 
 
 def _commands(data: bytes) -> Iterator[tuple[int, int]]:
@@ -80,19 +79,19 @@ def _elf(data: bytes) -> Binary:
     start, size, count = struct.unpack_from("<Q", data, 40) + struct.unpack_from("<HH", data, 58)
     # name, type, flags, address, offset, size, link, info, alignment, size of an entry
     sections = [struct.unpack_from("<IIQQQQIIQQ", data, start + size * i) for i in range(count)]
-    found = Binary(machine, set(), set(), set())
+    binary = Binary(machine, set(), set(), set())
     for _, kind, _, _, offset, length, link, _, _, entry in sections:
         names = sections[link][4] if link < count else 0
         if kind == 11:  # SHT_DYNSYM
             for place in range(offset + entry, offset + length, entry):
                 name, _, _, section = struct.unpack_from("<IBBH", data, place)
-                (found.offered if section else found.needed).add(_text(data, names + name))
+                (binary.offered if section else binary.needed).add(_text(data, names + name))
         if kind == 6:  # SHT_DYNAMIC
             for place in range(offset, offset + length, 16):
                 tag, value = struct.unpack_from("<QQ", data, place)
                 if tag == 1:  # DT_NEEDED
-                    found.libraries.add(_text(data, names + value))
-    return found
+                    binary.libraries.add(_text(data, names + value))
+    return binary
 
 
 def _pe(data: bytes) -> Binary:
@@ -108,35 +107,35 @@ def _pe(data: bytes) -> Binary:
         return next(start + address - at for size, at, _, start in sections if at <= address < at + size)
 
     (exports, _), (imports, _) = (struct.unpack_from("<II", data, optional + 112 + 8 * i) for i in range(2))
-    found = Binary(machine, set(), set(), set())
+    binary = Binary(machine, set(), set(), set())
     entry = place(imports)
     while (row := struct.unpack_from("<IIIII", data, entry))[3]:
-        found.libraries.add(_text(data, place(row[3])).lower())
+        binary.libraries.add(_text(data, place(row[3])).lower())
         names = place(row[0] or row[4])
         while name := struct.unpack_from("<Q", data, names)[0]:
             if not name >> 63:  # otherwise the symbol has a number instead of a name
-                found.needed.add(_text(data, place(name) + 2))
+                binary.needed.add(_text(data, place(name) + 2))
             names += 8
         entry += 20
     (names_count, _, names_at) = struct.unpack_from("<III", data, place(exports) + 24)
     for i in range(names_count):
         (name,) = struct.unpack_from("<I", data, place(names_at) + 4 * i)
-        found.offered.add(_text(data, place(name)))
-    return found
+        binary.offered.add(_text(data, place(name)))
+    return binary
 
 
 def _macho(data: bytes) -> Binary:
     (machine,) = struct.unpack_from("<I", data, 4)
-    found = Binary(machine, set(), set(), set())
+    binary = Binary(machine, set(), set(), set())
     for command, at in _commands(data):
         if command & 0x7FFFFFFF in (0xC, 0x18, 0x1F):  # LC_LOAD_DYLIB, weak, re-exported
-            found.libraries.add(_text(data, at + struct.unpack_from("<I", data, at + 8)[0]))
+            binary.libraries.add(_text(data, at + struct.unpack_from("<I", data, at + 8)[0]))
         if command == 2:  # LC_SYMTAB
             symbols, count, texts, _ = struct.unpack_from("<IIII", data, at + 8)
             for i in range(count):
                 name, kind, section, _, _ = struct.unpack_from("<IBBHQ", data, symbols + 16 * i)
                 if kind & 1 and not kind & 0xE0:  # external symbols, not those for debuggers
-                    (found.offered if section else found.needed).add(
+                    (binary.offered if section else binary.needed).add(
                         _text(data, texts + name).removeprefix("_")
                     )
-    return found
+    return binary

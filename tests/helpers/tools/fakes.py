@@ -49,14 +49,14 @@ def checked(fake, real):
     return checked_fake
 
 
-def check_arguments(given, right, name):
+def check_arguments(given, signature, name):
     """Raise a `TypeError` if a fake refuses the shortest call of a function, or requires another keyword."""
-    positions, keywords = required(right)
+    positions, keywords = required(signature)
     try:
         given.bind_partial(*positions, **keywords)
-        right.bind_partial(**required(given)[1])
+        signature.bind_partial(**required(given)[1])
     except TypeError as error:
-        raise TypeError(f"The fake of {name}{right} has other arguments {given}: {error}") from None
+        raise TypeError(f"The fake of {name}{signature} has other arguments {given}: {error}") from None
 
 
 def required(arguments):

@@ -12,7 +12,7 @@ XML = "modelDescription.xml"
 SUFFIX = PLATFORMS[HOST].suffix
 BINARIES = {"fmi3": f"binaries/{PLATFORMS[HOST].fmi3}/RodDrop{SUFFIX}"}
 BINARY = f"binaries/{HOST}/RodDrop{SUFFIX}"
-FOUND, MISSED, BROKEN = "+-!"  # FMPy's result: found, missed, or an exception in FMPy
+REPORTED, MISSED, BROKEN = "+-!"  # FMPy's result: found, missed, or an exception in FMPy
 WHOLE = ["another GUID", "no binary", "a binary that is none", "no resources"]
 """Faults of the FMU as a whole, which are planted in FMUs of each kind; FMPy finds none of these faults."""
 
@@ -46,15 +46,15 @@ def independent(without, name):
 
 def _faults():
     """Return version of FMI → name → fault."""
-    found = {"2": {}, "3": {}}
+    fault_functions = {"2": {}, "3": {}}
     for block in re.split(r"\n(?=[23])", Path(__file__).with_suffix(".txt").read_text(encoding="utf-8"))[1:]:
         head, *changes = block.splitlines()
         kinds, name, sentence = head.split(" | ")
         versions, verdict, *run = kinds.split()
         fault = Fault(verdict, bool(run), sentence, [_pair(*line.split(" ⇒")) for line in changes])
         for version in versions:
-            found[version][name] = fault
-    return found
+            fault_functions[version][name] = fault
+    return fault_functions
 
 
 def _pair(pattern, new=""):
@@ -104,7 +104,7 @@ def edited(*pairs, alone=False):
 
 
 def by_fmpy(path, *, names):
-    """Return FOUND, MISSED or BROKEN: FMPy's result for an FMU with a fault.
+    """Return REPORTED, MISSED or BROKEN: FMPy's result for an FMU with a fault.
 
     ``names`` switches the check of variables' names on, which takes 10 ms for each name.
     """
@@ -113,9 +113,9 @@ def by_fmpy(path, *, names):
     try:
         read_model_description(str(path), validate_variable_names=names, validate_model_structure=True)
     except ValidationError:
-        return FOUND
+        return REPORTED
     except Exception as error:
-        return FOUND if type(error) is Exception else BROKEN  # FMPy has no other class for its reports
+        return REPORTED if type(error) is Exception else BROKEN  # FMPy has no other class for its reports
     return MISSED
 
 

@@ -24,17 +24,17 @@ def make_environment(folder: Path, *names: str) -> None:
     """Make a virtual environment with only some distributions of this one, and those that they need."""
     venv.create(folder, symlinks=True)
     (packages,) = folder.glob("lib/python*/site-packages")
-    wanted, known = [*names], set()
+    wanted, added = [*names], set()
     while wanted:
         name = wanted.pop()
-        if name in known:
+        if name in added:
             continue
-        known.add(name)
-        found = distribution(name)
-        for part in {file.parts[0] for file in found.files or ()} - {"..", "__pycache__"}:
+        added.add(name)
+        installed = distribution(name)
+        for part in {file.parts[0] for file in installed.files or ()} - {"..", "__pycache__"}:
             if not (packages / part).exists():
-                (packages / part).symlink_to(Path(found.locate_file(part)))
-        needed = [Requirement(text) for text in found.requires or ()]
+                (packages / part).symlink_to(Path(installed.locate_file(part)))
+        needed = [Requirement(text) for text in installed.requires or ()]
         wanted += [
             requirement.name
             for requirement in needed

@@ -37,13 +37,13 @@ def _layout(text: Text, renderer: Any) -> Any:
     key = (*written, *placed, *turned, *read, *map(_setting, _SETTINGS))
     # matplotlib keeps the sizes of texts for each renderer, also those of other settings
     kept = _kept.setdefault(renderer, {})
-    found = kept.get(key)
-    if found is None:
-        found = kept[key] = _new_layout(text, renderer)
+    layout = kept.get(key)
+    if layout is None:
+        layout = kept[key] = _new_layout(text, renderer)
     elif next(_uses) % CHECKED == 0:
-        (box, *rest), (new_box, *new) = found, _new_layout(text, renderer)
+        (box, *rest), (new_box, *new) = layout, _new_layout(text, renderer)
         assert (box.bounds, rest) == (new_box.bounds, new), f"another layout of {text}"
-    return found
+    return layout
 
 
 def _setting(name: str) -> Any:

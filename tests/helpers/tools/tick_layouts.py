@@ -59,9 +59,9 @@ def _used(kind: str, axis: Axis, new: Callable[[], Any], compared: Callable[[Any
         return new()
     sides = {axis.axes, axis.major.locator.axis.axes}
     key = kind, axis, *(side.bbox.bounds + tuple(side.viewLim.bounds) for side in sides)
-    found = _kept[-1].get(key)
-    if found is None:
-        found = _kept[-1][key] = new()
+    layout = _kept[-1].get(key)
+    if layout is None:
+        layout = _kept[-1][key] = new()
     elif next(_uses) % CHECKED == 0:
-        assert compared(found) == compared(new()), f"other {kind} of {axis}"
-    return found
+        assert compared(layout) == compared(new()), f"other {kind} of {axis}"
+    return layout

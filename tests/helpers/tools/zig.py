@@ -12,7 +12,7 @@ WARNINGS = ("-Wall", "-Wextra", "-Wconversion", "-Werror", "-Wno-unused-paramete
 
 
 def zig(folder: Path, *arguments: object) -> None:
-    """Run zig's C compiler in a folder that holds its scratch files; with WARNINGS any warning is an error.
+    """Run zig's C compiler in a folder, which also gets its scratch files; with WARNINGS warnings are errors.
 
     A program ends at a trap where its behaviour is undefined.
     With the default target and the optimised build, zig's own libraries, whose build takes 15 s, are reused.
@@ -22,7 +22,7 @@ def zig(folder: Path, *arguments: object) -> None:
     command += ["-fsanitize=undefined", "-fsanitize-trap=undefined"]
     if "-target" not in arguments:
         command += ["-target", PLATFORMS[HOST].target]
-    done = subprocess.run(
+    process = subprocess.run(
         [*command, *map(str, arguments)],
         cwd=folder,
         env={**os.environ, **folders},
@@ -30,4 +30,4 @@ def zig(folder: Path, *arguments: object) -> None:
         text=True,
         check=False,
     )
-    assert done.returncode == 0, done.stderr
+    assert process.returncode == 0, process.stderr

@@ -1,7 +1,7 @@
-"""Centres of mass beside the link, points on links, and a base on a slider, against Lagrange's equations.
+"""Centres of mass off a link's line, points on links, and a base on a slider, against Lagrange's equations.
 
-The reference builds M(q) and the forces from the Jacobians of single points, with a dense solver, and shares
-nothing with the recursion.
+The reference builds M(q) and the forces from the Jacobians of single points, and solves with a dense matrix.
+It shares no code with the recursion.
 """
 
 # Tests: kernel/chain/sites.py, kernel/chain/slider.py, kernel/chain/mass_matrix_solver.py
@@ -155,18 +155,20 @@ def test_accelerations_by_forces_at_sites_agree_with_lagrange(moving):
     for c in range(d.candidate_count):
         _, jacobian, _ = reference.point(*sites[d.candidate.point[c] - n - 1])
         force += jacobian.T @ [0.0, d.contacts.force[c]]
-    wanted = reference.solved(reference.mass, force)
-    np.testing.assert_allclose(rate[n + 2 : 2 * n + 4], wanted, rtol=1e-10, atol=1e-10 * np.abs(wanted).max())
+    solution = reference.solved(reference.mass, force)
+    np.testing.assert_allclose(
+        rate[n + 2 : 2 * n + 4], solution, rtol=1e-10, atol=1e-10 * np.abs(solution).max()
+    )
     accelerate_points(d, y, rate)
     for s, site in enumerate(sites):
         position, jacobian, bias = reference.point(*site)
         for vectors, value in (
             (d.scratch.position, position),
             (d.scratch.velocity, jacobian @ reference.v),
-            (d.scratch.acceleration, jacobian @ wanted + bias),
+            (d.scratch.acceleration, jacobian @ solution + bias),
         ):
-            found = vectors.x[2 * n + 1 + s], vectors.y[2 * n + 1 + s]
-            np.testing.assert_allclose(found, value, rtol=0.0, atol=1e-10 * max(1.0, np.abs(wanted).max()))
+            result = vectors.x[2 * n + 1 + s], vectors.y[2 * n + 1 + s]
+            np.testing.assert_allclose(result, value, rtol=0.0, atol=1e-10 * max(1.0, np.abs(solution).max()))
 
 
 def test_the_kinetic_energy_is_that_of_the_mass_matrix(moving):
@@ -197,5 +199,5 @@ def test_impedances_at_points_of_links_act_as_springs_there(moving):
     d.scratch.applied_force.joint[:] = 0.0
     change = np.zeros(n + 2)
     solve_in_space(d, d.scratch.link_vector, d.scratch, HELD, change)
-    wanted = reference.solved(mass, force)
-    np.testing.assert_allclose(change, wanted, rtol=1e-9, atol=1e-10 * max(1e-3, np.abs(wanted).max()))
+    solution = reference.solved(mass, force)
+    np.testing.assert_allclose(change, solution, rtol=1e-9, atol=1e-10 * max(1e-3, np.abs(solution).max()))

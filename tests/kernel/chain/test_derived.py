@@ -20,11 +20,11 @@ from tests.kernel.tangent.dual import Dual
 
 def test_a_given_value_is_in_use_and_else_the_derived_one():
     """The derived value has the derivatives of its source, and the given value its own derivative."""
-    for given, right in ((0.0, 0.0), (0.3, 0.3), (NOT_GIVEN, 0.1)):
-        assert given_or_derived(given, 0.1) == right
+    for given, expected in ((0.0, 0.0), (0.3, 0.3), (NOT_GIVEN, 0.1)):
+        assert given_or_derived(given, 0.1) == expected
     given, derived = Dual(NOT_GIVEN, [1.0, 0.0]), Dual(0.25, [0.0, 0.5])
-    found = given_or_derived(given, derived)
-    assert (found.value, found.slope.tolist()) == (0.25, [1.0, 0.5])
+    result = given_or_derived(given, derived)
+    assert (result.value, result.slope.tolist()) == (0.25, [1.0, 0.5])
     given = Dual(0.3, [1.0, 0.0])
     assert given_or_derived(given, derived) is given
 

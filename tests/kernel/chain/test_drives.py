@@ -66,11 +66,11 @@ def test_the_drive_of_a_joint_and_of_a_slider_act_along_their_coordinates(cart, 
 def test_the_margin_is_that_of_the_drive_nearest_to_its_end(cart):
     """The force of the slider counts times the length of the link."""
     d, y, limited = cart
-    wanted = [MOTOR[i] - DAMPING[i] * RATE[i] - STIFFNESS[i] * (POSITION[i] - REST[i]) for i in range(2)]
-    margins = [LIMIT[0] - abs(wanted[0]), 0.5 * (LIMIT[1] - abs(wanted[1]))]
+    moments = [MOTOR[i] - DAMPING[i] * RATE[i] - STIFFNESS[i] * (POSITION[i] - REST[i]) for i in range(2)]
+    margins = [LIMIT[0] - abs(moments[0]), 0.5 * (LIMIT[1] - abs(moments[1]))]
     assert drives.mode_margin(d, y) == pytest.approx(min(margins) if limited else math.inf, rel=1e-9)
     d.inputs.motor[1] = MOTOR[1] - 40.0
-    past = 0.5 * (LIMIT[1] - abs(wanted[1] - 40.0))
+    past = 0.5 * (LIMIT[1] - abs(moments[1] - 40.0))
     assert drives.mode_margin(d, y) == pytest.approx(past if limited else math.inf, rel=1e-9)
     d.drive.mode[1] = -1
     least = min(margins[0], -past) if limited else math.inf

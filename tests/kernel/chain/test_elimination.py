@@ -42,12 +42,12 @@ def answer(d, row, impedance, impulses, joints=(0.0, 0.0)):
 
 def assembled(scene, angles, impedance, impulses):
     """Return M + Jᵀ D J and Jᵀ p."""
-    matrix, right = mass_matrix(scene, angles), 0.0
+    matrix, force = mass_matrix(scene, angles), 0.0
     for k in range(len(angles) + 1):
         jacobian = point_jacobian(scene, angles, k)
         matrix = matrix + jacobian.T @ impedance[k] @ jacobian
-        right = right + jacobian.T @ impulses[k]
-    return matrix, right
+        force = force + jacobian.T @ impulses[k]
+    return matrix, force
 
 
 @pytest.mark.full("more cases", but=60)
@@ -70,16 +70,16 @@ def test_the_elimination_solves_the_assembled_equations(count, base, largest, an
     damper = phase * rng.uniform(0.1, 2.0) * np.array([link.joint_damping for link in scene.chain.links])
     held, free = damper != 0.0, slice(2, None) if base == "pinned" else slice(None)
 
-    matrix, right = assembled(scene, angles, impedance, impulses)
+    matrix, force = assembled(scene, angles, impedance, impulses)
     across = relative_motion(count)[held][:, free]
     whole = np.block([[matrix[free, free], -across.T], [across, np.diag(1.0 / damper[held])]])
     expected = np.zeros(count + 2, whole.dtype)
-    expected[free] = np.linalg.solve(whole, [*right[free], *aim[held]])[: len(right[free])]
+    expected[free] = np.linalg.solve(whole, [*force[free], *aim[held]])[: len(force[free])]
 
-    found = answer(d, 1, impedance, impulses, (damper, damper * aim))
-    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
+    result = answer(d, 1, impedance, impulses, (damper, damper * aim))
+    np.testing.assert_allclose(result, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
     if base == "pinned":
-        assert (found[:2] == 0.0).all()
+        assert (result[:2] == 0.0).all()
 
 
 @pytest.mark.parametrize("count", [1, 2, 5, 6])
@@ -94,18 +94,18 @@ def test_the_arms_of_a_free_chain_may_meet_at_any_joint(count):
     angles, omega = y[2 : count + 2], y[count + 4 : 2 * count + 4]
     force = generalized_force(scene, angles, omega, loads, scratch.moment)
     expected = np.linalg.solve(mass_matrix(scene, angles), force)
-    matrix, right = assembled(scene, angles, impedance, loads)
+    matrix, load = assembled(scene, angles, impedance, loads)
     across = relative_motion(count)
-    moved = np.linalg.solve(matrix + across.T @ np.diag(joints) @ across, right + across.T @ moments)
+    moved = np.linalg.solve(matrix + across.T @ np.diag(joints) @ across, load + across.T @ moments)
     for middle in range(count // 2 + 1):
         set_vectors(scratch.applied_force, loads)
         rate = np.full(len(y), np.nan)
         solve_along_arms(d, y, rate, middle)
         np.testing.assert_allclose(rate[count + 2 : 2 * count + 4], expected, rtol=1e-9, atol=1e-10)
         d.chain.meeting_joint = middle
-        found = answer(d, FREE, impedance, loads, (joints, moments))
-        np.testing.assert_allclose(found, moved, rtol=1e-9, atol=1e-10)
-    # the arms of a free chain meet at any joint, and a pinned chain is held at its base
+        result = answer(d, FREE, impedance, loads, (joints, moments))
+        np.testing.assert_allclose(result, moved, rtol=1e-9, atol=1e-10)
+    # a pinned chain has no choice of a joint at which the arms meet: its base is fixed
     d.chain.has_base_joint, rate = 1, np.full(len(y), np.nan)
     solve_accelerations(d, y, rate)
     held = np.linalg.solve(mass_matrix(scene, angles)[2:, 2:], force[2:])
@@ -129,8 +129,8 @@ def test_accelerations_leave_the_factors_of_the_mass_matrix(count, pinned):
     solve_accelerations(d, y, np.zeros(len(y)))
     copy_factors(d, True)
     for name in ("gain_x", "gain_y", "inverse", "coupling", "complement", "middle_mobility", "coupled"):
-        found = getattr(scratch.factors, name)
-        np.testing.assert_allclose(found[FREE], found[HELD], rtol=1e-13, atol=1e-15, err_msg=name)
+        result = getattr(scratch.factors, name)
+        np.testing.assert_allclose(result[FREE], result[HELD], rtol=1e-13, atol=1e-15, err_msg=name)
 
 
 def exact(scene, angles, impedance, resistance, impulses):
@@ -143,16 +143,16 @@ def exact(scene, angles, impedance, resistance, impulses):
         ]
 
         def jacobian(whole, part=0.0):
-            """Return the Jacobian of a point behind a number of whole links and a part of the next link."""
+            """Return the Jacobian of the point after ``whole`` links and ``part`` of the next link."""
             rows = mpmath.zeros(2, len(links) + 2)
             rows[0, 0] = rows[1, 1] = 1
-            for i, one in enumerate(turned):
+            for i, direction in enumerate(turned):
                 share = 1 if i < whole else part if i == whole else 0
-                rows[0, 2 + i], rows[1, 2 + i] = share * one[0], share * one[1]
+                rows[0, 2 + i], rows[1, 2 + i] = share * direction[0], share * direction[1]
             return rows
 
         size = len(links) + 2
-        matrix, right = mpmath.zeros(size, size), mpmath.zeros(size, 1)
+        matrix, force = mpmath.zeros(size, size), mpmath.zeros(size, 1)
         for i, link in enumerate(links):
             centre = jacobian(i, mpmath.mpf(link.center_of_mass) / link.length)
             matrix += link.mass * centre.T * centre
@@ -162,18 +162,15 @@ def exact(scene, angles, impedance, resistance, impulses):
             matrix += float(resistance[i]) * turn.T * turn
         for k, (added, impulse) in enumerate(zip(impedance.tolist(), impulses.tolist(), strict=True)):
             matrix += jacobian(k).T * mpmath.matrix(added) * jacobian(k)
-            right += jacobian(k).T * mpmath.matrix(impulse)
-        return np.array([float(one) for one in mpmath.lu_solve(matrix, right)])
+            force += jacobian(k).T * mpmath.matrix(impulse)
+        return np.array([float(number) for number in mpmath.lu_solve(matrix, force)])
 
 
 @pytest.mark.parametrize("ratio", [1.0, 1e-3, 1e-9])
 @pytest.mark.parametrize("stopped", [False, True])
 @pytest.mark.parametrize("count", [2, 4])
 def test_a_light_first_link_that_walls_hold_in_a_corner_keeps_its_digits(count, stopped, ratio):
-    """Each coordinate has an error of D/m times round-off, as for heavy links.
-
-    Also beside a joint at a stop.
-    """
+    """The error of each coordinate is D/m times round-off, as for heavy links, also beside a stopped joint."""
     links = [
         {"length": 0.5 + 0.1 * i, "mass": 1.0 + 0.3 * i, "center_of_mass": 0.2, "inertia": 0.02 + 0.01 * i}
         for i in range(count)
@@ -185,9 +182,9 @@ def test_a_light_first_link_that_walls_hold_in_a_corner_keeps_its_digits(count, 
     d, resistance, impedance = prepared(scene, angles), np.zeros(count), np.zeros((count + 1, 2, 2))
     impedance[0], resistance[1] = 1e6 * np.eye(2), 1e6 * stopped
     impulses = np.random.default_rng(1).normal(size=(count + 1, 2))
-    found = answer(d, HELD, impedance, impulses, (resistance, 0.0))
+    result = answer(d, HELD, impedance, impulses, (resistance, 0.0))
     expected = exact(scene, angles, impedance, resistance, impulses)
-    np.testing.assert_allclose(found, expected, rtol=5e-9)
+    np.testing.assert_allclose(result, expected, rtol=5e-9)
 
 
 def test_no_impedance_clears_all_of_its_parts():

@@ -33,13 +33,14 @@ def test_every_joint_has_its_own_and_a_free_base_is_no_joint(sprung):
     links, d, _y = sprung
     held = [1.0 if i > 0 or d.chain.has_base_joint else 0.0 for i in range(d.link_count)]
     own = [
-        (link.joint_damping * one, link.joint_stiffness * one) for link, one in zip(links, held, strict=True)
+        (link.joint_damping * resistance, link.joint_stiffness * resistance)
+        for link, resistance in zip(links, held, strict=True)
     ]
     assert [drive_slopes(d, i) for i in range(d.link_count)] == own
     extend_start(d)
     extended_slopes(d, d.implicit.z_start)
     assert [drive_impedance(d, i, 0.3) for i in range(d.link_count)] == [0.3 * (c + 0.3 * k) for c, k in own]
-    assert [has_effect(k) for _, k in own] == [one > 0.0 for one in held]
+    assert [has_effect(k) for _, k in own] == [resistance > 0.0 for resistance in held]
 
 
 def test_springs_store_half_the_stiffness_times_the_squared_stretch(sprung):
@@ -88,10 +89,7 @@ def assembled(scene, angles):
 @pytest.mark.parametrize("base", ["free", "pinned"])
 @pytest.mark.parametrize("count", range(1, 9))
 def test_the_bound_on_joint_rates_is_near_the_largest_eigenvalue(count, base):
-    """For springs the bound is a frequency.
-
-    For both together, the bound of the roots of λ² M + λ C + S = 0.
-    """
+    """It is a rate for dampers, a squared frequency for springs, for both a root of λ² M + λ C + S = 0."""
     rng = np.random.default_rng([count, len(base)])
     for _ in range(8):
         damped, angles = random_chain(rng, count, base, 1e4), rng.uniform(-np.pi, np.pi, count)

@@ -48,14 +48,14 @@ def test_a_thousand_links_solve_the_assembled_equations():
     set_vectors(d.scratch.applied_force, loads)
     set_link_vectors(d, y)
     solve_accelerations(d, y, rate)
-    found = rate[count + 2 : 2 * count + 4]
+    result = rate[count + 2 : 2 * count + 4]
     matrix = mass_matrix(scene, angles)
-    right = generalized_force(scene, angles, omega, loads, d.scratch.moment)
+    force = generalized_force(scene, angles, omega, loads, d.scratch.moment)
     epsilon = np.finfo(float).eps
-    scale = np.abs(matrix) @ np.abs(found) + np.abs(right)
-    assert np.abs((matrix @ found - right) / scale).max() < 100.0 * epsilon
-    expected = np.linalg.solve(matrix, right)
+    scale = np.abs(matrix) @ np.abs(result) + np.abs(force)
+    assert np.abs((matrix @ result - force) / scale).max() < 100.0 * epsilon
+    expected = np.linalg.solve(matrix, force)
     least, *_, largest = np.linalg.eigvalsh(matrix)
     allowed = 10.0 * epsilon * largest / least
     assert 0.0 < allowed < 1e-6  # otherwise the comparison would test nothing
-    assert np.abs(found - expected).max() < allowed * np.abs(expected).max()
+    assert np.abs(result - expected).max() < allowed * np.abs(expected).max()

@@ -58,15 +58,15 @@ def chain_of(shapes, pinned):
 @pytest.mark.parametrize("count", [1, 2, 3])
 def test_chains_with_singular_mass_matrices_are_found(count, pinned):
     """The chains have up to three links, each with or without inertia, with four places of the mass."""
-    found = set()
+    kinds = set()
     for shapes in itertools.product(itertools.product(PLACES, (0.0, 0.1)), repeat=count):
         first, last = find_loose_links(chain_of(shapes, pinned), False)
         singular = least_eigenvalue(shapes, pinned) < 1e-12
         assert (first >= 0) == singular, shapes
-        found.add(singular)
+        kinds.add(singular)
         if singular:
             assert all(inertia == 0.0 for _, inertia in shapes[first : last + 1])
-    assert found == {False, True}
+    assert kinds == {False, True}
 
 
 @pytest.mark.full("more cases", but=1)

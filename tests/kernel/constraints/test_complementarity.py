@@ -67,14 +67,16 @@ def test_wrong_contacts_change_together_and_after_stalls_one_by_one(monkeypatch)
     d, *_ = problem()
     wrong, sets, own = [4, 4, 4, 4, 4, 4, 2, 2, 0], [], d.constraints
 
-    def told(_, __):
+    def note_active_set(_, __):
         sets.append(own.in_active_set[:4].copy())
         count = wrong.pop(0)
         own.is_violated[:4] = [k < count for k in range(4)]
         return count
 
     monkeypatch.setattr(complementarity, "solve_equality", lambda *_: None)
-    monkeypatch.setattr(complementarity, "count_violations", told)
+    monkeypatch.setattr(complementarity, "count_violations", note_active_set)
     complementarity.solve_lcp(d, 1.0)
-    changed = [np.flatnonzero(one != other).tolist() for one, other in itertools.pairwise(sets)]
+    changed = [
+        np.flatnonzero(contact_set != other).tolist() for contact_set, other in itertools.pairwise(sets)
+    ]
     assert changed == [[0, 1, 2, 3]] * (1 + complementarity.MAX_STALLED_PIVOTS) + [[3], [3], [0, 1], [0, 1]]

@@ -61,10 +61,10 @@ def chain_at_walls(case, resist=True):
     return scene, d, y[2 : count + 2], rows, touched, rng
 
 
-def solved(d, matrix, right):
+def solved(d, matrix, right_side):
     """Return the solution among the coordinates that can move."""
-    free, result = free_coordinates(d), np.zeros(len(right))
-    result[free] = np.linalg.solve(matrix[free, free], right[free])
+    free, result = free_coordinates(d), np.zeros(len(right_side))
+    result[free] = np.linalg.solve(matrix[free, free], right_side[free])
     return result
 
 

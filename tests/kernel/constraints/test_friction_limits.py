@@ -55,22 +55,22 @@ def forces(d):
 def bounded(chain):
     """Return the forces within the limits [N] by a dense solver, and the signs of those at their limits."""
     limits, root = chain.limits()[0], cholesky(chain.mobility)
-    right = lsq_linear(root, -np.linalg.solve(root.T, chain.bias), (-limits, limits), method="bvls").x
-    return right, np.where(np.abs(right) >= limits * (1.0 - 1e-9), np.sign(right), 0.0)
+    force = lsq_linear(root, -np.linalg.solve(root.T, chain.bias), (-limits, limits), method="bvls").x
+    return force, np.where(np.abs(force) >= limits * (1.0 - 1e-9), np.sign(force), 0.0)
 
 
 @pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("part", [0.3, 1.0])
 def test_forces_hold_as_much_as_they_can(part, seed, case):
-    """They are the minimum of ½ pᵀ W p + pᵀ a₀, where a₀ is t·a without them, within the limits."""
+    """Within the limits, the forces p minimize ½ pᵀ W p + pᵀ a₀, where a₀ is t·a without forces."""
     chain = stuck(seed, case, part)
     d = chain.d
     solve(d)
     find_limited_forces(d)
-    right, at_limit = bounded(chain)
-    np.testing.assert_allclose(forces(d), right, atol=1e-8 * np.abs(right).max())
-    assert d.limited_forces.at_limit[: len(right)].tolist() == at_limit.tolist()
+    expected, at_limit = bounded(chain)
+    np.testing.assert_allclose(forces(d), expected, atol=1e-8 * np.abs(expected).max())
+    assert d.limited_forces.at_limit[: len(expected)].tolist() == at_limit.tolist()
     assert at_limit.any()
 
 
@@ -90,15 +90,15 @@ def test_two_elements_at_one_place_share_a_load(seed, total):
     set_limits(chain, limits)
     solve(d)
     find_limited_forces(d)
-    found, left = forces(d), chain.bias + chain.mobility @ forces(d)
-    assert (np.abs(found) <= limits * (1.0 + 1e-12)).all()
-    assert found[first] * found[second] > 0.0
+    computed_forces, left = forces(d), chain.bias + chain.mobility @ forces(d)
+    assert (np.abs(computed_forces) <= limits * (1.0 + 1e-12)).all()
+    assert computed_forces[first] * computed_forces[second] > 0.0
     if total < 1.0:
         np.testing.assert_allclose(left, 0.0, atol=1e-9 * np.abs(chain.bias).max())
         assert (d.limited_forces.at_limit[: len(limits)] != 0).sum() <= 1
     elif total > 1.0:
-        assert np.abs(found[[first, second]]) == pytest.approx(limits[[first, second]], rel=1e-12)
-        assert (left[[first, second]] * found[first] < 0.0).all()
+        assert np.abs(computed_forces[[first, second]]) == pytest.approx(limits[[first, second]], rel=1e-12)
+        assert (left[[first, second]] * computed_forces[first] < 0.0).all()
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -114,6 +114,6 @@ def test_forces_are_found_where_constraints_nearly_depend_on_each_other(seed):
     set_limits(chain, limits * np.abs(d.friction_element.force[chain.elements]))
     solve(d)
     find_limited_forces(d)
-    right, at_limit = bounded(chain)
-    np.testing.assert_allclose(forces(d), right, atol=1e-8 * np.abs(right).max())
-    assert d.limited_forces.at_limit[: len(right)].tolist() == at_limit.tolist()
+    expected, at_limit = bounded(chain)
+    np.testing.assert_allclose(forces(d), expected, atol=1e-8 * np.abs(expected).max())
+    assert d.limited_forces.at_limit[: len(expected)].tolist() == at_limit.tolist()

@@ -233,8 +233,8 @@ def test_round_off_of_clearances_is_that_of_coordinates_or_angles():
     joints = {1: 0.5, 2: 2.0, 3: 5.5}
     for c in range(d.candidate_count):
         point = d.candidate.point[c]
-        right = size * joints[int(point)] if d.candidate.stop[c] else abs(position.x[point]) + 2.5
-        assert coordinate_sum(d, c, y) == pytest.approx(right, rel=1e-13)
+        expected = size * joints[int(point)] if d.candidate.stop[c] else abs(position.x[point]) + 2.5
+        assert coordinate_sum(d, c, y) == pytest.approx(expected, rel=1e-13)
     position.y[:] = -2.5
     c = next(c for c in range(d.candidate_count) if not d.candidate.stop[c])
     assert coordinate_sum(d, c, y) == pytest.approx(abs(position.x[d.candidate.point[c]]) + 2.5, rel=1e-13)

@@ -79,7 +79,7 @@ def test_all_pressed_contacts_reach_their_targets(base, pressed):
     if alone:
         assert d.budget.other_cost == before + 1
     elif any(pressed):
-        assert 2 <= d.budget.other_cost - before <= 6  # the last motions are sums of the iterations'
+        assert 2 <= d.budget.other_cost - before <= 6
 
 
 def test_a_contact_that_can_hardly_move_is_found_by_the_iteration(monkeypatch):
@@ -99,7 +99,7 @@ def test_a_contact_that_can_hardly_move_is_found_by_the_iteration(monkeypatch):
 
 
 def test_a_chain_that_is_nearly_straight_is_held_by_a_smooth_force():
-    """n sweeps leave the share (1 + D W)⁻ⁿ of a motion, also of a motion that one element alone leaves."""
+    """Each iteration leaves the part 1/(1 + D W) of the motion of a single element."""
     d, *_ = problem()
     amount = constraint_response.holding_impedance(d)
     for part in (0.0, 1e-6, 0.1, 1.0, 30.0, 1e6):

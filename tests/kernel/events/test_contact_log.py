@@ -48,10 +48,10 @@ def test_an_elastic_contact_has_its_peak_force_at_its_largest_depth(seed, tolera
     scene = build("Rod", [link], initial, {"y_min": 0.0}, contact, gravity=GRAVITY, tolerance=tolerance)
     instance = Instance(scene)
     instance.advance(0.3)
-    found = instance.collect()
-    assert len(found) > 1
-    expected = STIFFNESS * found["max_penetration"] ** 1.5
-    np.testing.assert_allclose(found["peak_force"], expected, rtol=5e-3)
+    result = instance.collect()
+    assert len(result) > 1
+    expected = STIFFNESS * result["max_penetration"] ** 1.5
+    np.testing.assert_allclose(result["peak_force"], expected, rtol=5e-3)
 
 
 K, N = 4.0, 1.5
@@ -97,8 +97,8 @@ def test_peaks_are_the_largest_values_on_the_way(size):
     t = FINE * size
     assert d.contacts.peak_force[1] == pytest.approx(forces(d, t, TURNING).max(), rel=1e-6)
     assert d.contacts.max_penetration[1] == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
-    right = slope(lambda t: forces(d, t, TURNING), size, 1e-6)
-    assert d.contacts.force_rate[1] == pytest.approx(right, rel=1e-6)
+    expected = slope(lambda t: forces(d, t, TURNING), size, 1e-6)
+    assert d.contacts.force_rate[1] == pytest.approx(expected, rel=1e-6)
     rate = -np.polynomial.polynomial.polyval(size, np.polynomial.polynomial.polyder(TURNING))
     assert d.contacts.penetration_rate[1] == pytest.approx(rate, rel=1e-12)
     there(d, points_of(d, motion.at(size)))
@@ -164,18 +164,18 @@ def test_a_step_that_lands_on_the_turn_is_deepest_there(approach_only, event, la
 @pytest.mark.parametrize("until", [1.0, 0.5])
 def test_a_maximum_is_found_by_parabolas_wherever_it_is(height, until):
     d, _ = pressed(height)
-    found = contact_log.find_largest_penetration(d, 1, 0.5 * until, 0.5 * until, until)
+    result = contact_log.find_largest_penetration(d, 1, 0.5 * until, 0.5 * until, until)
     tops = np.polynomial.polynomial.polyroots(np.polynomial.polynomial.polyder(height))
     places = [0.0, until, *(t.real for t in tops if abs(t.imag) < 1e-12 and 0.0 < t.real < until)]
     most, place = max((depth(t, height), t) for t in places)
     # near an end of the step the last parabola does not reach the maximum
     inside = 0.2 < place / until < 0.9
-    assert found == pytest.approx(most, rel=2e-8 if inside else 1e-3)
+    assert result == pytest.approx(most, rel=2e-8 if inside else 1e-3)
 
 
 @pytest.mark.parametrize("due", [False, True])
 def test_a_cut_step_forgets_events_after_the_communication_point(due, monkeypatch):
-    """The step keeps an onset and mode changes exactly at the communication point."""
+    """An onset and mode changes stay marked if they are exactly at the communication point."""
     d, motion = pressed(TURNING)
     d.contacts.event[:4] = ONSET, CONTACT_ENDS, KINK, NO_EVENT
     dropped = []
@@ -207,13 +207,12 @@ def test_contacts_are_followed_to_the_communication_point_at_no_cost(monkeypatch
     assert d.quadrature.integral[1] == pytest.approx(3.0, rel=1e-12)
     assert (d.statistics.rhs_evaluations, d.budget.other_cost) == before
     there(d, points_of(d, motion.at(0.25)))
-    # other quantities that the communication point updates
-    told = []
-    monkeypatch.setattr(hooks, "on_truncate", told.append)
+    calls = []
+    monkeypatch.setattr(hooks, "on_truncate", calls.append)
     d, _ = pressed(TURNING)
     d.step.communication_point, d.scratch.rate_end[:] = d.step.start + 0.25, math.nan
     contact_log.update_to_communication_point(d)
-    assert told == [d]
+    assert calls == [d]
     assert d.step.end == d.step.communication_point
     assert d.contacts.max_penetration[1] == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
     # the accelerations belong to the communication point
@@ -306,7 +305,7 @@ def test_a_contact_that_ends_is_a_row_of_the_log(rigid, rate):
 
 
 def test_a_contact_of_a_stop_is_logged_as_an_angle_and_a_moment():
-    """With the lever arm s: φ = δ/s, M = F s, inertia m s²; peaks are the largest values of either kind."""
+    """With the lever arm s: φ = δ/s, M = F s, inertia m s². Stops and walls have separate largest peaks."""
     _, d = stopped_chain(2)
     stop, arm, log = stops_of(d)[0], 1.4, d.contact_log
     d.chain.longest_link = arm
@@ -316,8 +315,8 @@ def test_a_contact_of_a_stop_is_logged_as_an_angle_and_a_moment():
         d.quadrature.integral[c], d.quadrature.impulse_at_onset[c] = 8.0, 6.5
         rate = clearance_and_rate(d, c)[1]
         contact_log.end_contact(d, c, 0)
-    told = [log[name][3] for name in ("impact_speed", "separation_speed", "peak_force", "max_penetration")]
-    assert told == pytest.approx([0.7 / arm, rate / arm, 9.0 * arm, 0.3 / arm])
+    logged = [log[name][3] for name in ("impact_speed", "separation_speed", "peak_force", "max_penetration")]
+    assert logged == pytest.approx([0.7 / arm, rate / arm, 9.0 * arm, 0.3 / arm])
     assert (log.effective_mass[3], log.impulse[3]) == pytest.approx((2.5 * arm**2, 1.5 * arm))
     assert (d.peaks.moment, d.peaks.rotation) == (log.peak_force[3], log.max_penetration[3])
     assert (d.peaks.force, d.peaks.penetration) == (3.0, 5e-3)
@@ -334,7 +333,7 @@ def test_a_restart_inside_of_an_impact_loses_no_peak(method, parts):
         instance.advance(first["onset"] + part * (first["end"] - first["onset"]))
         instance.record["given"]["pending"] = 1
     instance.advance(first["end"] + 1e-3)
-    found = instance.collect()[0]
-    assert found["peak_force"] == pytest.approx(first["peak_force"], rel=1e-6)
-    assert found["max_penetration"] == pytest.approx(first["max_penetration"], rel=1e-6)
-    assert found["impulse"] == pytest.approx(first["impulse"], rel=1e-7)
+    result = instance.collect()[0]
+    assert result["peak_force"] == pytest.approx(first["peak_force"], rel=1e-6)
+    assert result["max_penetration"] == pytest.approx(first["max_penetration"], rel=1e-6)
+    assert result["impulse"] == pytest.approx(first["impulse"], rel=1e-7)

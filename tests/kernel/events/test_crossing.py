@@ -25,15 +25,15 @@ def test_the_first_crossing_is_the_first_fall_through_zero(seed, near, touching,
     d, motion = moving([seed, near, touching], near=near, touching=touching, base=base)
     d.contacts.event[:] = 7
     theta, whose = first_fall(d, motion)
-    found = crossing.find_crossing(d)
+    result = crossing.find_crossing(d)
     if theta < 0.0:
-        assert found == -1.0
+        assert result == -1.0
         return
-    assert found * d.step.size == pytest.approx(theta * d.step.size, abs=1e-13)
+    assert result * d.step.size == pytest.approx(theta * d.step.size, abs=1e-13)
     assert d.contacts.event[whose] == (CONTACT_ENDS if d.contacts.active[whose] else ONSET)
     assert not np.delete(d.contacts.event, whose).any()
-    # the candidates' clearances are measured at the found time
-    np.testing.assert_allclose(d.search.phi_end, phi(d, motion, found)[0], rtol=0, atol=1e-12)
+    # the candidates' clearances are measured at the time of the crossing
+    np.testing.assert_allclose(d.search.phi_end, phi(d, motion, result)[0], rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("depth", [1e-2, 1e-6, 1e-9])
@@ -51,12 +51,12 @@ def test_a_dip_between_the_ends_of_a_step_is_found(falling, depth):
     set_step(d, motion, 1.0)
     wall_at(d, c, motion.at(0.5), -falling * depth)
     prepare(d)
-    found = crossing.find_crossing(d)
+    result = crossing.find_crossing(d)
     if falling < 0.0:
-        assert found == -1.0
+        assert result == -1.0
     else:
         expected = 0.5 - math.sqrt(depth / a)
-        assert found == pytest.approx(expected, abs=1e-12 + 1e-16 / depth)
+        assert result == pytest.approx(expected, abs=1e-12 + 1e-16 / depth)
         assert d.contacts.event.tolist() == [int(k == c) * ONSET for k in range(d.candidate_count)]
 
 
@@ -64,8 +64,8 @@ def test_a_dip_between_the_ends_of_a_step_is_found(falling, depth):
 def test_only_suspects_are_followed(seed):
     d, motion = moving(seed, size=1.0)
     crossing_ones = np.flatnonzero((phi(d, motion, SAMPLES) < 0.0).any(axis=0))
-    found = crossing.find_crossing(d)
-    assert found >= 0.0
+    result = crossing.find_crossing(d)
+    assert result >= 0.0
     (first,) = np.flatnonzero(d.contacts.event)
     for suspects in (crossing_ones, np.setdiff1d(crossing_ones, [first])):
         d.contacts.event[:] = NO_EVENT
@@ -79,9 +79,9 @@ def test_only_suspects_are_followed(seed):
             d.search[field][others] = math.nan
         again = crossing.find_crossing(d)
         if first in suspects:
-            assert again == pytest.approx(found, abs=1e-14)
+            assert again == pytest.approx(result, abs=1e-14)
         else:
-            assert again == -1.0 or again > found
+            assert again == -1.0 or again > result
         assert set(np.flatnonzero(d.contacts.event)) <= set(suspects)
 
 

@@ -62,15 +62,15 @@ def test_exclusion_keeps_every_event_and_skips_far_walls(seed, near, touching):
     np.testing.assert_allclose(d.search.phi_start, values[0], rtol=0, atol=1e-11)
     np.testing.assert_allclose(d.search.phi_end, values[-1], rtol=0, atol=1e-11)
     h = d.step.size / 1000
-    for found, part in ((d.search.phi_start_rate, values[:3]), (d.search.phi_end_rate, values[:-4:-1])):
-        sign = 1.0 if part is not values and found is d.search.phi_start_rate else -1.0
+    for rates, part in ((d.search.phi_start_rate, values[:3]), (d.search.phi_end_rate, values[:-4:-1])):
+        sign = 1.0 if part is not values and rates is d.search.phi_start_rate else -1.0
         slope = sign * (-1.5 * part[0] + 2.0 * part[1] - 0.5 * part[2]) / h
-        np.testing.assert_allclose(found, slope, rtol=0, atol=1e-4)
-    for found, part in (
+        np.testing.assert_allclose(rates, slope, rtol=0, atol=1e-4)
+    for rates, part in (
         (d.search.phi_start_curvature, values[:3]),
         (d.search.phi_end_curvature, values[-3:]),
     ):
-        np.testing.assert_allclose(found, (part[0] - 2 * part[1] + part[2]) / h**2, rtol=0, atol=2e-2)
+        np.testing.assert_allclose(rates, (part[0] - 2 * part[1] + part[2]) / h**2, rtol=0, atol=2e-2)
 
 
 def test_contacts_that_cross_their_kink_or_are_pushed_in_are_looked_at():
@@ -85,7 +85,7 @@ def test_contacts_that_cross_their_kink_or_are_pushed_in_are_looked_at():
 def test_a_step_in_which_links_turn_far_or_inputs_change_fast_is_looked_at():
     for field in ("turn", "input_rate", "fade"):
         d, _motion = stepped(0, near=2.0)
-        # one large quantity demands a look, although all walls are far
+        # one large quantity is enough, although all walls are far
         if field == "turn":
             d.scratch.rate_end[d.link_count + 4] = 2.0 / d.step.size**2 * 1.1
         elif field == "input_rate":
@@ -283,10 +283,10 @@ def test_clearances_and_their_rates_are_those_in_the_variable_of_the_step(regula
     d.contacts.expected_penetration[:] = 0.3
     mark_touching(d, [2, 4])
     pace = 1.0 if regularized < 0 else u / (1.0 + u * u)
-    found = event_exclusion.sundman_u_now(d, y)
+    result = event_exclusion.sundman_u_now(d, y)
     slope = 0.0 if regularized < 0 else -0.5 * clearance_and_rate(d, 2)[1] / (0.3 * (1.0 + u * u))
-    assert found == pytest.approx((1.0, 0.0) if regularized < 0 else (u, slope), rel=1e-12)
-    assert event_exclusion.set_clearances(d, y) == found[1]
+    assert result == pytest.approx((1.0, 0.0) if regularized < 0 else (u, slope), rel=1e-12)
+    assert event_exclusion.set_clearances(d, y) == result[1]
     for c in range(d.candidate_count):
         gap, rate = clearance_and_rate(d, c)
         sign = -1.0 if c in (2, 4) else 1.0
@@ -294,10 +294,10 @@ def test_clearances_and_their_rates_are_those_in_the_variable_of_the_step(regula
         if c in (2, 4) and rigid:
             expected = math.inf, 0.0
         if c == regularized:
-            expected = found
+            expected = result
         assert (d.search.phi_end[c], d.search.phi_end_rate[c]) == pytest.approx(expected, rel=1e-12)
         d.search.phi_end[c] = 7.0
-        event_exclusion.set_clearance(d, c, *found)
+        event_exclusion.set_clearance(d, c, *result)
         assert d.search.phi_end[c] == pytest.approx(expected[0], rel=1e-12)
     event_exclusion.begin_next_interval(d)
     np.testing.assert_array_equal(d.search.phi_start, d.search.phi_end)

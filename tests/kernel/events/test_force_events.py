@@ -35,9 +35,9 @@ def four(_d):
     return 4
 
 
-def find_force_event(d, found):
-    """Return θ of the event ``found``, or of an earlier event of a contact with a force."""
-    return force_events.find_kink(d, force_events.find_relatch(d, found))
+def find_force_event(d, touched):
+    """Return θ of the event ``touched``, or of an earlier event of a contact with a force."""
+    return force_events.find_kink(d, force_events.find_relatch(d, touched))
 
 
 @pytest.mark.parametrize(("resolution", "halvings"), [(0.0, 50), (1e-12, 44)])
@@ -45,20 +45,20 @@ def find_force_event(d, found):
 @pytest.mark.parametrize("end", [1.0, 0.6])
 @pytest.mark.parametrize("place", [0.05, 0.31, 0.59])
 def test_the_first_passage_is_where_a_function_falls_below_zero(place, end, shape, resolution, halvings):
-    asked = []
+    fractions = []
 
     def function(record, c, theta):
         assert (record, c) == (STEP, 7)
-        asked.append(theta)
+        fractions.append(theta)
         if shape == "step":
             return 1.0 if theta < place else -1e-9
         return place - theta if shape == "linear" else place**3 - theta**3
 
-    found = make_passage_search(function, four, resolution)(STEP, 7, end)
-    assert found == pytest.approx(place, abs=max(2.0 * passage.FINEST_RESOLUTION, resolution / 10.0))
-    assert max(asked) <= end
+    result = make_passage_search(function, four, resolution)(STEP, 7, end)
+    assert result == pytest.approx(place, abs=max(2.0 * passage.FINEST_RESOLUTION, resolution / 10.0))
+    assert max(fractions) <= end
     # four samples and the start of a bracket; then the fast method, or bisection where the method fails
-    assert len(asked) <= (18 if shape != "step" else 5 + 20 + halvings)
+    assert len(fractions) <= (18 if shape != "step" else 5 + 20 + halvings)
 
 
 @pytest.mark.parametrize("middle", [0.01, 0.1, 0.4, 0.51, 0.6, 0.9, 0.99])
@@ -82,7 +82,7 @@ def test_fast_inputs_get_more_samples():
 
 
 def test_the_first_negative_sample_is_found():
-    def found(place, *others):
+    def first_negative(place, *others):
         below = (place, *others)
 
         def sign(_d, _c, x):
@@ -90,8 +90,8 @@ def test_the_first_negative_sample_is_found():
 
         return make_passage_search(sign, four, 0.0)(STEP, 0, 1.0)
 
-    assert found((0.3, 0.4)) == -1.0
-    assert found((0.2, 0.3), (0.7, 2.0)) == pytest.approx(0.2, abs=1e-14)
+    assert first_negative((0.3, 0.4)) == -1.0
+    assert first_negative((0.2, 0.3), (0.7, 2.0)) == pytest.approx(0.2, abs=1e-14)
 
 
 def test_the_ends_of_a_step_are_its_states_to_the_last_bit():
@@ -121,10 +121,10 @@ def test_a_force_is_cut_off_where_it_comes_to_zero(law):
     assert d.contacts.beyond_kink[1] == 0
     end = 0.55
     locate_at_fraction(d, end)
-    found = find_force_event(d, end)
-    assert found == pytest.approx(low, abs=1e-14)
-    # the points are located at the found time
-    height = np.polynomial.polynomial.polyval(found, [0.0, -0.1, 0.05, 1.5])
+    result = find_force_event(d, end)
+    assert result == pytest.approx(low, abs=1e-14)
+    # the points are located at the time of the event
+    height = np.polynomial.polynomial.polyval(result, [0.0, -0.1, 0.05, 1.5])
     assert d.scratch.position.y[0] == pytest.approx(height, abs=1e-13)
     assert d.contacts.event[1] == KINK
 
@@ -141,8 +141,8 @@ def test_a_kink_is_crossed_first_where_a_sample_shows_it():
 
 def test_the_first_kink_counts_and_kinks_at_one_time_are_one_event():
     d, _ = falling([0.0, -1.0, 1.0], touching=(1, 5, 9))
-    found = find_force_event(d, -1.0)
-    assert found == pytest.approx(0.5, abs=1e-14)
+    result = find_force_event(d, -1.0)
+    assert result == pytest.approx(0.5, abs=1e-14)
     assert d.contacts.event[[1, 5, 9]].tolist() == [KINK] * 3
     # a contact that stays on its side of the kink is not part of the event
     d, _ = falling([0.0, -1.0, 1.0], touching=(1, 5, 9))
@@ -154,14 +154,14 @@ def test_the_first_kink_counts_and_kinks_at_one_time_are_one_event():
 
 def test_a_kink_comes_after_the_event_that_was_found_before():
     d, _ = falling([0.0, -1.0, 1.0])
-    for touched, found in ((0.3, 0.3), (0.7, 0.5)):
+    for touched, event in ((0.3, 0.3), (0.7, 0.5)):
         d.contacts.event[:] = NO_EVENT
         d.contacts.event[4] = CONTACT_ENDS
         d.contacts.kink_crossed[:] = 1  # a stage was beyond it
         locate_at_fraction(d, touched)
-        assert find_force_event(d, touched) == pytest.approx(found, abs=1e-14)
-        assert d.contacts.event[4] == (CONTACT_ENDS if found == touched else NO_EVENT)
-        assert d.contacts.event[1] == (NO_EVENT if found == touched else KINK)
+        assert find_force_event(d, touched) == pytest.approx(event, abs=1e-14)
+        assert d.contacts.event[4] == (CONTACT_ENDS if event == touched else NO_EVENT)
+        assert d.contacts.event[1] == (NO_EVENT if event == touched else KINK)
 
 
 @pytest.mark.parametrize("stage", [0, 1])
@@ -169,12 +169,12 @@ def test_a_kink_that_only_a_stage_has_shown_is_looked_for(stage):
     """δ̇ < 0 between 0.3 and 0.45 s, and inward motion at the end."""
     d, _ = falling([0.0, -0.135, 0.375, -1.0 / 3.0])
     d.contacts.kink_crossed[1], d.contacts.latched_speed[1] = stage, 1.0
-    found = find_force_event(d, -1.0)
+    result = find_force_event(d, -1.0)
     if stage:
-        assert found == pytest.approx(0.3, abs=1e-13)
+        assert result == pytest.approx(0.3, abs=1e-13)
         assert d.contacts.event[1] == KINK
     else:
-        assert found == -1.0
+        assert result == -1.0
         assert d.contacts.event[1] == NO_EVENT
 
 
@@ -187,7 +187,7 @@ def test_a_contact_is_latched_again_at_twice_its_impact_speed():
     locate_at_fraction(d, 1.0)
     assert find_force_event(d, -1.0) == pytest.approx(0.37, abs=2e-12)
     assert d.contacts.event.tolist() == [int(c == 1) * RELATCH for c in range(d.candidate_count)]
-    # the points are located at the found time
+    # the points are located at the time of the event
     assert d.scratch.position.y[0] == pytest.approx(-(0.37**2), abs=1e-11)
 
 
@@ -227,12 +227,12 @@ def locate_touching_state(law, e):
 @pytest.mark.parametrize("e", [0.1, 0.5, 0.8])
 def test_the_realised_restitution_errs_by_the_tolerance(law, e):
     """The error is at most LARGEST_ERROR times the tolerance, at each tolerance."""
-    right, _, _ = scaled_impact(CONTACT_LAWS[law], e)
+    expected, _, _ = scaled_impact(CONTACT_LAWS[law], e)
     for tolerance in TOLERANCES:
         (impact,) = simulate(
             locate_touching_state(law, e), tolerance=tolerance, output=(), output_step=0.3
         ).impacts
-        error = abs(impact["separation_speed"] / impact["impact_speed"] - right)
+        error = abs(impact["separation_speed"] / impact["impact_speed"] - expected)
         assert error <= LARGEST_ERROR * tolerance, tolerance
 
 
@@ -314,10 +314,10 @@ def test_events_that_no_stage_shows_are_not_searched():
 def test_a_stage_beyond_a_place_of_infinite_forces_spoils_the_step(times, size, refused):
     d, _ = released(size=size)
     d.constraints.least_force[d.contacts.active_index[0]] = -times * force_events.plausible_pull(d)
-    found = force_events.find_release(d, -1.0)
+    result = force_events.find_release(d, -1.0)
     assert is_accepted(d) != refused
     if not refused:
-        assert found * size == pytest.approx(FALLS * size, abs=2e-12)
+        assert result * size == pytest.approx(FALLS * size, abs=2e-12)
 
 
 def test_the_strongest_force_accelerates_a_carriage_along_its_line():

@@ -56,12 +56,12 @@ def test_the_modes_of_elements_at_rest_are_those_that_dense_algebra_finds(seed, 
     With more static friction there may be several answers; the kernel has one of them.
     """
     chain = AtRest(seed, *case, holding)
-    right = chain.consistent()
-    assert right
+    solutions = chain.consistent()
+    assert solutions
     choose_friction_modes(chain.d, jumped)
-    assert chain.modes in right
+    assert chain.modes in solutions
     assert_laws_hold(chain)
-    for reached in right.values() if holding == 1.0 else ():
+    for reached in solutions.values() if holding == 1.0 else ():
         np.testing.assert_allclose(chain.accelerations(), reached, atol=1e-6 * np.abs(chain.bias).max())
 
 
@@ -161,7 +161,7 @@ def test_no_mark_of_a_change_outlives_the_choice_of_modes():
 
 
 @pytest.fixture
-def one():
+def record_and_element():
     """Return a chain whose contact is its only element with friction, and the candidate in contact."""
     _, d, _ = rubbing_chain(np.random.default_rng(3), "free", 1, False)
     return d, int(d.contacts.active_index[0])
@@ -195,19 +195,19 @@ def move_at(d, c, speed):
         (STICKING_ENDS, STICKS, 0.5, True, -1, 1),
     ],
 )
-def test_the_first_guess_is_by_the_motion_the_event_or_what_was_before(one, sign, case):
+def test_the_first_guess_is_by_the_motion_the_event_or_what_was_before(record_and_element, sign, case):
     """All signs reverse with the sign of the motion and of the force."""
-    (d, c), (event, before, speed, jumped, right, undecided) = one, case
+    (d, c), (event, before, speed, jumped, expected, undecided) = record_and_element, case
     move_at(d, c, sign * speed)
     d.friction_element.mode_before[c] = sign * before if abs(before) == 1 else before
     d.friction_element.event[c], d.friction_element.force[c] = event, sign * 4.0
-    assert first_mode(d, c, jumped) == sign * right
+    assert first_mode(d, c, jumped) == sign * expected
     assert d.friction_element.decided_by_forces[c] == undecided
 
 
 @pytest.mark.parametrize(("part", "undecided"), [(0.9, 1), (1.1, 0)])
-def test_rest_has_a_speed_of_round_off(one, part, undecided):
-    d, c = one
+def test_rest_has_a_speed_of_round_off(record_and_element, part, undecided):
+    d, c = record_and_element
     move_at(d, c, part * rest_speed(d))
     d.friction_element.mode_before[c] = STICKS
     first_mode(d, c, True)
@@ -215,9 +215,9 @@ def test_rest_has_a_speed_of_round_off(one, part, undecided):
 
 
 @pytest.mark.parametrize(("part", "wrong"), [(-0.6, False), (0.4, False), (0.6, True)])
-def test_a_static_force_may_exceed_its_limit_by_half_of_what_is_round_off(one, part, wrong):
+def test_a_static_force_may_exceed_its_limit_by_half_of_what_is_round_off(record_and_element, part, wrong):
     """The other half of the round-off belongs to the search, so that a new mode does not end at once."""
-    d, c = one
+    d, c = record_and_element
     (
         d.friction_element.mode[c],
         d.friction_element.decided_by_forces[c],
@@ -233,8 +233,8 @@ def test_a_static_force_may_exceed_its_limit_by_half_of_what_is_round_off(one, p
 
 
 @pytest.mark.parametrize(("part", "wrong"), [(-1.0, False), (0.9, False), (1.1, True)])
-def test_sliding_at_rest_may_accelerate_backward_by_round_off(one, part, wrong):
-    d, c = one
+def test_sliding_at_rest_may_accelerate_backward_by_round_off(record_and_element, part, wrong):
+    d, c = record_and_element
     d.scratch.acceleration.x[:], d.scratch.acceleration.y[:] = 0.0, 0.0
     d.scratch.acceleration.x[1 - d.candidate.place[c]] = 50.0
     for sign in (1, -1):
@@ -249,9 +249,9 @@ def test_sliding_at_rest_may_accelerate_backward_by_round_off(one, part, wrong):
 
 
 @pytest.mark.parametrize(("part", "wrong"), [(1.9, False), (2.1, True)])
-def test_sliding_at_rest_may_accelerate_backward_as_what_sticks_does(one, part, wrong):
-    """The acceleration of a held element is as large as the error of the holding force."""
-    d, c = one
+def test_sliding_at_rest_may_accelerate_backward_as_what_sticks_does(record_and_element, part, wrong):
+    """The error of a holding force accelerates a sticking element; twice this acceleration is allowed."""
+    d, c = record_and_element
     other = d.candidate_count - 1
     assert d.candidate.place[other] != d.candidate.place[c]
     d.scratch.acceleration.x[:], d.scratch.acceleration.y[:] = 0.0, 0.0
@@ -287,8 +287,8 @@ def convex_accelerations(chain):
     limits, (size, vectors) = chain.limits()[1], np.linalg.eigh(chain.mobility)
     kept = size > 1e-12 * size[-1]
     root = np.sqrt(size[kept])[:, None] * vectors[:, kept].T
-    right = -(vectors[:, kept].T @ chain.bias) / np.sqrt(size[kept])
-    forces = lsq_linear(root, right, (-limits, limits), method="bvls", tol=1e-14).x
+    right_side = -(vectors[:, kept].T @ chain.bias) / np.sqrt(size[kept])
+    forces = lsq_linear(root, right_side, (-limits, limits), method="bvls", tol=1e-14).x
     return chain.bias + chain.mobility @ forces
 
 
@@ -319,18 +319,15 @@ def test_dependent_constraints_are_held_if_any_share_of_the_load_allows_it(seed,
     d.law.friction[strong] *= 0.9 * (1.0 - part)
     d.law.static_friction[:] = d.law.friction
     choose_friction_modes(d, True)
-    right = convex_accelerations(chain)
-    assert np.abs(right).max() > 1e-6 * scale
-    np.testing.assert_allclose(chain.accelerations(), right, atol=1e-6 * scale)
+    expected = convex_accelerations(chain)
+    assert np.abs(expected).max() > 1e-6 * scale
+    np.testing.assert_allclose(chain.accelerations(), expected, atol=1e-6 * scale)
 
 
 @pytest.mark.parametrize("sign", [1, -1])
-def test_sliding_may_go_on_backward_as_it_does_when_it_begins(one, sign):
-    """The limit is twice this speed, an error.
-
-    Elements with a forward motion or a motion-based mode may not.
-    """
-    d, c = one
+def test_sliding_may_go_on_backward_as_it_does_when_it_begins(record_and_element, sign):
+    """A backward speed is an error; if forces have decided the mode, twice this speed is allowed."""
+    d, c = record_and_element
     d.friction_element.mode[c], d.friction_element.decided_by_forces[c] = sign, 1
     d.scratch.acceleration.x[:], d.scratch.acceleration.y[:] = 0.0, 0.0
     for speed, slack in ((-3e-13, 6e-13), (3e-13, 0.0), (0.0, 0.0)):
@@ -346,9 +343,9 @@ def test_sliding_may_go_on_backward_as_it_does_when_it_begins(one, sign):
 
 
 @pytest.mark.parametrize("sign", [1, -1])
-def test_an_undecided_element_may_move_backward_by_the_tolerance(one, sign):
+def test_an_undecided_element_may_move_backward_by_the_tolerance(record_and_element, sign):
     """The limit is the larger of the tolerance and twice the present speed; the force is at its limit."""
-    d, c = one
+    d, c = record_and_element
     d.friction_element.mode[c], d.friction_element.decided_by_forces[c] = sign, 1
     place = d.candidate.place[c]
     d.scratch.acceleration.x[:], d.scratch.acceleration.y[:] = 0.0, 0.0

@@ -134,7 +134,7 @@ def test_a_joint_is_bounded_by_the_relative_turn_of_its_link(bounded):
     for c in stops_of(d):
         joint = int(d.candidate.point[c])
         joints.add(joint)
-        found = crossing.base_motion_bounds(d, c, along_x, along_y)
+        result = crossing.base_motion_bounds(d, c, along_x, along_y)
         values, dense = d.step.state[at + joint - 1], d.step.dense[:, at + joint - 1].copy()
         if joint > 1:
             values, dense = values - d.step.state[at + joint - 2], dense - d.step.dense[:, at + joint - 2]
@@ -143,7 +143,9 @@ def test_a_joint_is_bounded_by_the_relative_turn_of_its_link(bounded):
         turn, change = rate_bounds(d.step, 0)
         d.step.state[0], d.step.dense[:, 0] = before, kept
         # at the lever arm of a stop, the longest link
-        assert found == pytest.approx((d.chain.longest_link * turn, d.chain.longest_link * change), rel=1e-12)
+        assert result == pytest.approx(
+            (d.chain.longest_link * turn, d.chain.longest_link * change), rel=1e-12
+        )
     assert joints == {1, 2, 3}
 
 

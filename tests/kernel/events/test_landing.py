@@ -101,7 +101,7 @@ def test_an_early_touch_in_a_regularized_step_fits_the_motion_in_time():
     ],
 )
 def test_a_candidate_starts_clear_by_its_taylor_polynomial(gap, rate, bend, clear, active):
-    """½ φ + φ̇ t + ½ φ̈ t² > 0 with φ ≥ 0, of clearances and of penetrations; at t = 0.1 s."""
+    """The condition is ½ φ + φ̇ t + ½ φ̈ t² > 0 and φ ≥ 0 at t = 0.1 s; φ is a clearance or a penetration."""
     sign = -1.0 if active else 1.0
     d = touched(sign * gap, sign * rate, sign * bend, active=active, kind=CONTACT_ENDS if active else ONSET)
     if gap == 0.0:
@@ -178,8 +178,8 @@ def test_a_step_repeated_for_onsets_ends_at_the_first_of_them(off, bend, regular
     after = 2.0 * gap / (speed + np.sqrt(speed**2 - 2.0 * bend * gap))
     behind = gap + 0.3 * LANDING_TIME * speed * size
     for gaps in ([gap, behind], [behind, gap]):
-        found = onset_fraction(landed(gaps, -speed, size, bend=bend, regularized=regularized))
-        assert found == pytest.approx(1.0 + after / size, abs=1e-11)
+        result = onset_fraction(landed(gaps, -speed, size, bend=bend, regularized=regularized))
+        assert result == pytest.approx(1.0 + after / size, abs=1e-11)
 
 
 def test_an_onset_that_stays_deep_inside_is_refused():

@@ -163,16 +163,16 @@ def rubbing():
 @pytest.fixture
 def changes(monkeypatch):
     """Return the mode changes, element → θ, the searched elements, and the search."""
-    at, asked = {}, []
+    at, searches = {}, []
 
     def margin(_d, e, theta):
-        asked.append(e)
+        searches.append(e)
         return -1.0 if at.get(e, 2.0) <= theta else 1.0
 
     monkeypatch.setattr(mode_changes, "element_margin", margin)
     return (
         at,
-        asked,
+        searches,
         make_search(
             margin,
             mode_changes.mode_may_end,
@@ -182,18 +182,18 @@ def changes(monkeypatch):
     )
 
 
-@pytest.mark.parametrize("found", [-1.0, 0.4])
-def test_only_what_a_stage_has_shown_is_searched(rubbing, changes, found):
+@pytest.mark.parametrize("contact_event", [-1.0, 0.4])
+def test_only_what_a_stage_has_shown_is_searched(rubbing, changes, contact_event):
     d, elements = rubbing
-    at, asked, find = changes
+    at, searches, find = changes
     at.update(dict.fromkeys(elements, 0.1))
     for e in elements:
         speed = mode_changes.sliding_speed(d, e)
         error = -0.9 * mode_changes.element_error(d, e)
         d.friction_element.margin[e] = 0.9 * speed if speed > 0.0 else error
     d.contacts.event[3] = ONSET
-    assert find(d, found) == found
-    assert asked == []
+    assert find(d, contact_event) == contact_event
+    assert searches == []
     assert d.contacts.event[3] == ONSET
     assert not d.friction_element.event.any()
 
@@ -225,12 +225,12 @@ def test_an_element_that_has_slowed_is_searched(rubbing, monkeypatch):
 )
 def test_the_first_change_ends_the_step(rubbing, changes, case):
     """All changes at that time are part of it. Later contact events are found again in the next step."""
-    (d, elements), (found, at, right, marked) = rubbing, case
+    (d, elements), (contact_event, at, expected, marked) = rubbing, case
     changes[0].update({elements[k]: theta for k, theta in at.items()})
     d.friction_element.margin[elements] = -1.0
     d.friction_element.mode[elements[3]] = STICKS
     d.contacts.event[3] = ONSET
-    assert changes[2](d, found) == pytest.approx(right, abs=1e-9)
+    assert changes[2](d, contact_event) == pytest.approx(expected, abs=1e-9)
     kinds = {k: STICKING_ENDS if k == 3 else SLIDING_ENDS for k in marked}
     assert {
         k: d.friction_element.event[e] for k, e in enumerate(elements) if d.friction_element.event[e]

@@ -152,8 +152,8 @@ def test_points_that_all_but_touch_are_neighbours():
 @pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
 def test_fast_arrivals_rebound_and_slow_arrivals_rest(restitution):
     """e = 0 for a held contact, for a slow arrival, and for a rebound too slow to leave."""
-    found = touching(1, POINTS, kinds=NO_EVENT)
-    d, y, response, w, candidates = found.d, found.y, found.response, found.w, found.candidates
+    contacts = touching(1, POINTS, kinds=NO_EVENT)
+    d, y, response, w, candidates = contacts.d, contacts.y, contacts.response, contacts.w, contacts.candidates
     d.contacts.event[candidates] = ONSET, NEIGHBOUR, NO_EVENT, ONSET
     speeds = np.array([-1.0, -1.0, -1.0, -0.5 * SLOWEST])
     y[6:12] = response @ np.linalg.solve(w, speeds)
@@ -173,8 +173,8 @@ def test_fast_arrivals_rebound_and_slow_arrivals_rest(restitution):
 
 @pytest.mark.parametrize(("times", "aims"), [(0.9, 0.0), (1.1, 1.0)])
 def test_rebounds_too_slow_to_leave_are_none(times, aims):
-    found = touching(1, (1,), kinds=NO_EVENT)
-    d, y, response, w = found.d, found.y, found.response, found.w
+    contacts = touching(1, (1,), kinds=NO_EVENT)
+    d, y, response, w = contacts.d, contacts.y, contacts.response, contacts.w
     d.contacts.event[1] = ONSET
     speed = -2.0 * SLOWEST
     y[6:12] = response @ np.linalg.solve(w, [speed])
@@ -308,7 +308,7 @@ def test_contacts_end_where_they_stand_for_another_law():
 
 
 def test_contacts_that_no_push_can_bring_to_rest_are_let_go():
-    """Release them for speeds above the round-off of the fastest point, if they are not pressed."""
+    """A contact that is not pressed ends if its speed exceeds the round-off of the fastest point's speed."""
     d = touching(1, POINTS, kinds=NO_EVENT).d
     scale = largest_component(d, d.scratch.velocity)
     d.constraints.in_active_set[:4] = 0, 0, 1, 0
@@ -348,8 +348,8 @@ def test_a_released_point_all_but_touches_at_any_distance(away):
     locate_points(d, d.step.state_end)
     gap, _ = clearance_and_rate(d, 1)
     farthest = max(np.abs(vectors(d.scratch.position)).max(), d.chain.longest_link)
-    right = max(1e-13 * d.chain.longest_link, 1e-14 * farthest)
-    assert gap == pytest.approx(right, abs=3e-16 * farthest)
+    expected = max(1e-13 * d.chain.longest_link, 1e-14 * farthest)
+    assert gap == pytest.approx(expected, abs=3e-16 * farthest)
     d.contacts.event[:] = NO_EVENT
     rigid_impacts.join_near_contacts(d)
     assert d.contacts.event[1] == NEIGHBOUR
@@ -383,8 +383,8 @@ def test_a_release_is_a_first_guess_of_who_is_let_go():
     """For any first guess, the held points are those that need a force."""
     results = []
     for event in (NO_EVENT, RELEASE):
-        found = touching(3, kinds=NO_EVENT)
-        d, y, candidates = found.d, found.y, found.candidates
+        contacts = touching(3, kinds=NO_EVENT)
+        d, y, candidates = contacts.d, contacts.y, contacts.candidates
         y[6:12] = 0.0
         d.step.state_end[:] = y
         d.contacts.event[candidates] = event
@@ -416,7 +416,7 @@ def test_an_impact_updates_rates_and_kink_sides_of_force_contacts(monkeypatch):
 
 
 def test_a_force_contact_begins_if_its_point_moves_inward():
-    found = set()
+    directions = set()
     for seed in range(12):
         d, y, jacobian, _, w, (rigid, soft) = touching(seed, (1, 6))
         make_rigid(d, np.arange(d.candidate_count) != soft)
@@ -426,5 +426,5 @@ def test_a_force_contact_begins_if_its_point_moves_inward():
         assert rigid_impacts.handle_rigid_impacts(d) == (soft if inward else -1)
         assert d.contacts.active[[rigid, soft]].tolist() == [0, inward]
         assert d.impact.count == 1 + inward
-        found.add(inward)
-    assert found == {True, False}
+        directions.add(inward)
+    assert directions == {True, False}

@@ -157,11 +157,11 @@ def test_the_earliest_event_is_that_of_the_motion(seed, near, touching, implicit
         remember_clearances(d, VALUES_KNOWN)  # values that a search has left at the end of its interval
         d.search.phi_start[:] = d.search.phi_start_rate[:] = -7.0
     theta, whose = first_fall(d, motion)
-    found = find_event(d)
+    result = find_event(d)
     if theta < 0.0:
-        assert found == -1.0
+        assert result == -1.0
     else:
-        assert found * d.step.size == pytest.approx(theta * d.step.size, abs=1e-12)
+        assert result * d.step.size == pytest.approx(theta * d.step.size, abs=1e-12)
         assert d.contacts.event[whose] == (CONTACT_ENDS if d.contacts.active[whose] else ONSET)
         assert known_clearances(d) == VALUES_KNOWN
 
@@ -194,8 +194,8 @@ def test_later_events_are_those_of_contacts_up_to_the_touch():
         d.contacts.latched_speed[:] = 1e6
         other = 4  # the wall x_max, to which the base moves at 0.1 m/s
         wall_at(d, other, motion.at(touches), 0.0)
-        found = find_event(d)
-        assert found == pytest.approx(min(touches, 0.5), abs=1e-12)
+        result = find_event(d)
+        assert result == pytest.approx(min(touches, 0.5), abs=1e-12)
         assert d.contacts.event[4 if kind == ONSET else 1] == kind
         assert np.count_nonzero(d.contacts.event) == 1
 

@@ -56,7 +56,7 @@ def test_loads_do_the_work_of_the_contacts_and_of_the_input(law, touching):
         [active_contacts.contact_force(d, c, *geometry.clearance_and_rate(d, c)) for c in candidates]
     )
     lost = active_contacts.set_forces_of_step(d)
-    found = sum(
+    result = sum(
         point_jacobian(scene, y[2:5], k).T @ load for k, load in enumerate(vectors(d.scratch.applied_force))
     )
     expected = point_jacobian(scene, y[2:5], 3).T @ [0.3, -0.8]
@@ -64,7 +64,7 @@ def test_loads_do_the_work_of_the_contacts_and_of_the_input(law, touching):
         expected = expected + jacobian.T @ forces
         assert (forces > 0.0).all()
         assert (d.contacts.force[candidates] == forces).all()
-    np.testing.assert_allclose(found, expected, rtol=1e-11, atol=1e-11)
+    np.testing.assert_allclose(result, expected, rtol=1e-11, atol=1e-11)
     # the power of the walls = power stored in springs + power of the dampers
     stored = sum(
         -rate * slope(partial(elastic_energy, d, candidates[k]), DEPTH * (k + 1), 1e-7 * abs(rate))

@@ -29,7 +29,7 @@ def restitution_for(law, e=0.7):
 
 
 def laws_of(d):
-    """Return all that is known of the laws, for a comparison."""
+    """Return the bytes of the table of laws, and whether any law has a force, or is rigid."""
     return d.law.tobytes(), d.contact_settings.any_force_law, d.contact_settings.any_rigid
 
 
@@ -339,9 +339,9 @@ def test_the_law_of_a_stop_is_that_of_an_angle(law, rate, angle):
 
 
 def test_a_users_law_of_a_stop_takes_and_returns_what_belongs_to_angles(monkeypatch):
-    told = []
+    calls = []
     monkeypatch.setattr(user_law, "has_user_law", lambda: 1)
-    monkeypatch.setattr(user_law, "force", lambda *arguments: told.append(arguments) or 12.0)
+    monkeypatch.setattr(user_law, "force", lambda *arguments: calls.append(arguments) or 12.0)
     _, d = stopped_chain(2)
     size, d.stops.law = d.chain.longest_link, USER_LAW
     d.stops.exponent, d.given.stop_stiffness, d.given.stop_restitution = 1.3, 5e3, 0.4
@@ -349,7 +349,7 @@ def test_a_users_law_of_a_stop_takes_and_returns_what_belongs_to_angles(monkeypa
     c = d.candidate_count - 1
     d.contacts.effective_mass[c], d.contacts.latched_speed[c] = 0.3 / size**2, 2.0 * size
     force, elastic = law_force(d, c, 0.1 * size, 0.7 * size)
-    assert told[0] == pytest.approx((0.1, 0.7, 2.0, 0.3, 5e3, 1.3, 0.4), rel=1e-12)
+    assert calls[0] == pytest.approx((0.1, 0.7, 2.0, 0.3, 5e3, 1.3, 0.4), rel=1e-12)
     assert force * size == pytest.approx(12.0, rel=1e-13)
     assert elastic * size == pytest.approx(5e3 * 0.1**1.3, rel=1e-12)
 
@@ -394,7 +394,7 @@ def test_a_static_friction_below_that_of_sliding_is_refused_with_its_wall(
 
 
 @pytest.mark.parametrize(
-    ("of_all", "of_wall", "right"),
+    ("of_all", "of_wall", "expected"),
     [
         ((0.3, 0.5), (-1.0, -1.0), (0.3, 0.5)),
         ((0.3, 0.0), (-1.0, -1.0), (0.3, 0.3)),  # static friction defaults to kinetic friction
@@ -406,12 +406,14 @@ def test_a_static_friction_below_that_of_sliding_is_refused_with_its_wall(
         ((0.0, 0.0), (0.7, -1.0), (0.7, 0.7)),
     ],
 )
-def test_a_wall_may_give_its_own_friction_and_a_stop_has_none(record_and_candidates, of_all, of_wall, right):
+def test_a_wall_may_give_its_own_friction_and_a_stop_has_none(
+    record_and_candidates, of_all, of_wall, expected
+):
     d, kinds = record_and_candidates
     d.given.friction, d.given.static_friction = of_all
     wall = d.candidate.wall[kinds[1]]
     d.walls.friction[wall], d.walls.static_friction[wall] = of_wall
-    for c, pair in ((kinds[0], (of_all[0], max(of_all))), (kinds[1], right), (kinds[3], (0.0, 0.0))):
+    for c, pair in ((kinds[0], (of_all[0], max(of_all))), (kinds[1], expected), (kinds[3], (0.0, 0.0))):
         candidate_laws.derive_damping(d, c)
         candidate_laws.set_law_parameters(d, c)
         assert (d.law.friction[c], d.law.static_friction[c]) == pair

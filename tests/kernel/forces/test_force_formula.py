@@ -151,7 +151,7 @@ def test_impacts_of_the_others_are_those_of_an_independent_integration(law, e, m
     assert dissipated == pytest.approx(lost, rel=1e-6 * off, abs=1e-8 * off)
 
 
-# --- either side of the kink, and what is found of a contact at its onset -----------------------------------
+# --- both sides of the kink, and the values of a contact at its onset ---------------------------------------
 
 
 @pytest.mark.parametrize("exponent", [0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 2.2])
@@ -188,15 +188,15 @@ def test_a_continued_force_is_the_force_on_its_own_side(law):
             force, elastic = forces.law_force(d, 0, depth, rate)
             for beyond in (0, 1):
                 d.contacts.beyond_kink[0], d.contacts.kink_crossed[0] = beyond, 0
-                found = forces.continued_force(d, 0, depth, rate)
+                result = forces.continued_force(d, 0, depth, rate)
                 stays = height <= 0.0 if beyond else height >= 0.0
                 assert d.contacts.kink_crossed[0] == (not stays)
                 if stays:
-                    assert found == pytest.approx((force, elastic), rel=1e-13, abs=1e-9)
+                    assert result == pytest.approx((force, elastic), rel=1e-13, abs=1e-9)
                 elif beyond and not law.approach_only:
-                    assert found == (0.0, elastic)  # the force is zero before the kink is located
+                    assert result == (0.0, elastic)  # the force is zero before the kink is located
                 else:
-                    assert found == forces.uncut_force(d, 0, depth, rate, bool(beyond))
+                    assert result == forces.uncut_force(d, 0, depth, rate, bool(beyond))
                 assert forces.is_cut_off(d, 0) == (beyond == 1 and not law.approach_only)
                 if height != 0.0:
                     # the kink is the zero of the force, or the end of approach damping

@@ -33,14 +33,14 @@ def rate_at(d, y):
 @pytest.mark.parametrize(("base", "contacts", "joints"), CASES)
 def test_contacts_are_listed_before_joints(base, contacts, joints):
     _, d, _ = rubbing_chain(np.random.default_rng(1), base, contacts, joints)
-    found, own = elements_of(d), d.friction
-    assert found[: own.contact_count] == [int(c) for c in d.contacts.active_index[:contacts]]
-    assert [friction.drive_of_element(d, e) for e in found[contacts:]] == ([1, 2, 3] if joints else [])
+    elements, own = elements_of(d), d.friction
+    assert elements[: own.contact_count] == [int(c) for c in d.contacts.active_index[:contacts]]
+    assert [friction.drive_of_element(d, e) for e in elements[contacts:]] == ([1, 2, 3] if joints else [])
     assert own.may_act
     assert not geometry.has_sticking(d)
-    d.friction_element.mode[found[-1]] = STICKS
+    d.friction_element.mode[elements[-1]] = STICKS
     friction.list_sticking(d)
-    assert (own.stuck_count, int(d.friction_element.stuck_index[0])) == (1, found[-1])
+    assert (own.stuck_count, int(d.friction_element.stuck_index[0])) == (1, elements[-1])
     assert own.stuck_joints == joints
     friction.suspend_sticking(d)
     assert not geometry.has_sticking(d)
@@ -67,14 +67,14 @@ def test_sliding_friction_is_a_load_against_the_motion(base, contacts, joints, s
     """M q̈ changes by Σ J_tᵀ F_t, F_t = −s µ F_n or −s M/size; the power −F_t v_t is dissipated."""
     rng = np.random.default_rng(2)
     scene, d, y = rubbing_chain(rng, base, contacts, joints)
-    found = elements_of(d)
-    d.friction_element.mode[found] = sign
+    elements = elements_of(d)
+    d.friction_element.mode[elements] = sign
     rate = rate_at(d, y)
     d.friction.active_count = 0
     free = rate_at(d, y)
-    rows = tangents(scene, d, y, found)
+    rows = tangents(scene, d, y, elements)
     response, _ = mobility(scene, d, y, rows)
-    normal = np.array([d.contacts.force[e] if e < d.candidate_count else 0.0 for e in found])
+    normal = np.array([d.contacts.force[e] if e < d.candidate_count else 0.0 for e in elements])
     sizes = np.where(normal > 0.0, MU * normal, MOMENT / d.chain.longest_link)
     n = d.link_count
     np.testing.assert_allclose(
@@ -82,32 +82,32 @@ def test_sliding_friction_is_a_load_against_the_motion(base, contacts, joints, s
     )
     speeds = rows @ y[n + 2 : 2 * n + 4]
     assert rate[2 * n + 4] - free[2 * n + 4] == pytest.approx(sign * sizes @ speeds, rel=1e-9)
-    np.testing.assert_allclose(d.friction_element.force[found], -sign * sizes, rtol=1e-12)
+    np.testing.assert_allclose(d.friction_element.force[elements], -sign * sizes, rtol=1e-12)
     limits = np.where(normal > 0.0, MU_S * normal, MOMENT / d.chain.longest_link)
-    np.testing.assert_allclose(d.friction_element.friction_limit[found], limits, rtol=1e-12)
+    np.testing.assert_allclose(d.friction_element.friction_limit[elements], limits, rtol=1e-12)
 
 
 @pytest.mark.parametrize(("base", "contacts", "joints"), CASES)
 def test_sticking_elements_have_no_tangential_acceleration(base, contacts, joints):
     rng = np.random.default_rng(3)
     scene, d, y = rubbing_chain(rng, base, contacts, joints)
-    found = elements_of(d)
+    elements = elements_of(d)
     d.friction.active_count = d.friction.contact_count = 0
     free = rate_at(d, y)
-    bias = np.array([geometry.tangential_acceleration(d, e) for e in found])
+    bias = np.array([geometry.tangential_acceleration(d, e) for e in elements])
     friction.list_friction(d)
-    d.friction_element.mode[found] = STICKS
+    d.friction_element.mode[elements] = STICKS
     friction.list_sticking(d)
     rate = rate_at(d, y)
-    left = [geometry.tangential_acceleration(d, e) for e in found]
+    left = [geometry.tangential_acceleration(d, e) for e in elements]
     np.testing.assert_allclose(left, 0.0, atol=1e-11 * (1.0 + np.abs(bias).max()))
-    response, w = mobility(scene, d, y, tangents(scene, d, y, found))
+    response, w = mobility(scene, d, y, tangents(scene, d, y, elements))
     forces = np.linalg.lstsq(w, -bias, rcond=1e-10)[0]
     n = d.link_count
     gained = rate[n + 2 : 2 * n + 4] - free[n + 2 : 2 * n + 4]
     np.testing.assert_allclose(gained, response @ forces, rtol=1e-7, atol=1e-7)
     if np.linalg.cond(w) < 1e8:
-        np.testing.assert_allclose(d.friction_element.force[found], forces, rtol=1e-6, atol=1e-6)
+        np.testing.assert_allclose(d.friction_element.force[elements], forces, rtol=1e-6, atol=1e-6)
 
 
 def test_a_contact_begins_in_the_direction_of_its_motion():
@@ -180,11 +180,11 @@ def test_a_contact_that_begins_has_a_mode_and_is_listed(room):
 
 def test_notes_of_friction_in_a_step_are_forgotten_with_the_step():
     _, d, _ = rubbing_chain(np.random.default_rng(5), "free", 2, True)
-    found = elements_of(d)
+    elements = elements_of(d)
     d.friction_element.margin[:] = -1.0
     equations.clear_stage_notes(d)
-    others = sorted(set(range(d.friction_element_count)) - set(found))
-    assert (d.friction_element.margin[found] == math.inf).all()
+    others = sorted(set(range(d.friction_element_count)) - set(elements))
+    assert (d.friction_element.margin[elements] == math.inf).all()
     assert (d.friction_element.margin[others] == -1.0).all()
 
 

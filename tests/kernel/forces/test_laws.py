@@ -123,8 +123,8 @@ def test_the_rebound_is_elastic_at_the_one_end_and_falls_to_the_other(law):
 
 
 def test_jankowski_realises_the_known_figures():
-    for e, known in {0.1: 0.093, 0.5: 0.495, 0.9: 0.900}.items():
-        assert realised(CONTACT_LAWS["jankowski"], e) == pytest.approx(known, abs=5e-4)
+    for e, expected in {0.1: 0.093, 0.5: 0.495, 0.9: 0.900}.items():
+        assert realised(CONTACT_LAWS["jankowski"], e) == pytest.approx(expected, abs=5e-4)
 
 
 @pytest.mark.parametrize("law", ["kelvin_voigt", "tsuji"])

@@ -45,8 +45,8 @@ def test_a_law_is_registered_under_the_name_of_its_function(options, monkeypatch
 
 
 def test_the_force_of_a_law_is_told_with_its_exponents():
-    told = ("kelvin_voigt", "tsuji", "jankowski", "kuwabara_kono")
-    assert [CONTACT_LAWS[name].force for name in told] == [
+    laws = ("kelvin_voigt", "tsuji", "jankowski", "kuwabara_kono")
+    assert [CONTACT_LAWS[name].force for name in laws] == [
         "Kδ + d δ̇", "Kδ√δ + d δ^¼ δ̇", "Kδ√δ + d δ^¼ max(0, δ̇)", "Kδ√δ + d δ^½ δ̇",
     ]  # fmt: skip
     powers = [(0.5, 1.0), (0.25, 0.5), (1.5, 0.0), (1.2, 0.3)]

@@ -16,7 +16,6 @@ from tests.helpers.models.reference import rebound
 
 @pytest.mark.parametrize("e", [1e-4, 0.01, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 0.999, 0.9999])
 def test_viscoelastic_spheres_realise_the_prescribed_restitution(e):
-    """The integration does not use the fitted polynomial."""
     assert rebound(1.5, 0.5, viscoelastic_factor(e)).restitution == pytest.approx(e, rel=2e-11)
 
 

@@ -27,10 +27,10 @@ LEAST = 2.0**-1074
 def test_errors_are_below_one_ulp(name):
     given = arguments(name, 1000)
     with mpmath.workdps(60):
-        for (x, y), found in zip(given.tolist(), in_plain_python(name, given).tolist(), strict=True):
+        for (x, y), result in zip(given.tolist(), in_plain_python(name, given).tolist(), strict=True):
             exact = EXACT[name](mpmath.mpf(x), mpmath.mpf(y))
             if abs(exact) < 1.7e308:
-                assert abs(found - exact) <= math.ulp(float(exact)), (x, y)
+                assert abs(result - exact) <= math.ulp(float(exact)), (x, y)
 
 
 @pytest.mark.parametrize("function", [exponentials.exp, exponentials.expm1, logarithms.log, logarithms.log1p])
@@ -46,9 +46,9 @@ def test_powers_of_special_numbers_are_as_in_c():
     with np.errstate(all="ignore"):
         for x in NUMBERS:
             for y in (*NUMBERS, -3.0, -0.5, 2.0**53 + 2.0, -1e300):
-                found, known = power(x, y), np.power(x, y)
-                np.testing.assert_allclose(found, known, rtol=3e-16, atol=0, err_msg=f"{x} ** {y}")
-                assert math.isnan(known) or math.copysign(1.0, found) == math.copysign(1.0, known)
+                result, expected = power(x, y), np.power(x, y)
+                np.testing.assert_allclose(result, expected, rtol=3e-16, atol=0, err_msg=f"{x} ** {y}")
+                assert math.isnan(expected) or math.copysign(1.0, result) == math.copysign(1.0, expected)
 
 
 def test_the_ends_of_the_range_are_those_of_c():

@@ -220,8 +220,8 @@ def test_a_balance_starts_from_the_present_energies():
     own.value_end, own.allowed_change = 4.5, 1e9
     balance.begin_window(d)
     assert own.window_value == 4.5
-    right = 3.0 * TOLERANCE * (own.root_reference_energy**2 + own.reference_energy)
-    assert (own.least_allowed_change, own.allowed_change) == pytest.approx((right, right), rel=1e-13)
+    expected = 3.0 * TOLERANCE * (own.root_reference_energy**2 + own.reference_energy)
+    assert (own.least_allowed_change, own.allowed_change) == pytest.approx((expected, expected), rel=1e-13)
     # after a discontinuity the balance starts from the new state, with newly located points
     d.step.break_count, d.scratch.position.x[:] = 12, 1e9
     balance.evaluate_balance_at_end(d)
@@ -249,18 +249,18 @@ def test_the_scale_is_that_of_errors_in_speeds_and_in_heights(springs):
     own, (kinetic, potential) = d.balance, mechanical_energy(d, y)
     others = abs(y[dissipated_at(LINKS)]) + abs(y[supplied_at(LINKS)])
     scale = (math.sqrt(2.0 * kinetic) + own.root_reference_energy) ** 2 + own.reference_energy + others
-    known = own.weight * (abs(y[0]) + abs(y[1])) + abs(potential) + kinetic + others
+    round_off_scale = own.weight * (abs(y[0]) + abs(y[1])) + abs(potential) + kinetic + others
     turns = np.diff(y[2 : LINKS + 2], prepend=0.0) - d.inputs.target[:-1]
     moments = springs * d.inputs.drive_stiffness[:-1] * abs(turns)
     moments[0] = 0.0  # a free base has no joint
     scale += sum(moments)
     angles = abs(y[1 : LINKS + 2])
     angles[0] = 0.0  # of the base
-    known += moments @ (angles[1:] + angles[:-1] + abs(d.inputs.target[:-1]))
-    assert balance.energy_scales(d, y) == pytest.approx((scale, known), rel=1e-13)
-    allowed = 3.0 * TOLERANCE * scale + balance.ENERGY_ROUND_OFF * known
+    round_off_scale += moments @ (angles[1:] + angles[:-1] + abs(d.inputs.target[:-1]))
+    assert balance.energy_scales(d, y) == pytest.approx((scale, round_off_scale), rel=1e-13)
+    allowed = 3.0 * TOLERANCE * scale + balance.ENERGY_ROUND_OFF * round_off_scale
     assert balance.allowed_change(d, y) == pytest.approx(allowed, rel=1e-13)
-    assert balance.allowed_round_off(d, y) == pytest.approx(1e-15 * known, rel=1e-13)
+    assert balance.allowed_round_off(d, y) == pytest.approx(1e-15 * round_off_scale, rel=1e-13)
 
 
 def test_contacts_add_the_work_of_forces_over_depth_errors():
@@ -272,22 +272,26 @@ def test_contacts_add_the_work_of_forces_over_depth_errors():
     mark_touching(d, touched)
     d.contacts.expected_penetration[touched], d.contacts.latched_speed[touched] = 3e-3, [0.5, 2.0]
     d.contacts.effective_mass[touched] = [0.7, 1.9]
-    found = balance.energy_scales(d, y)
+    result = balance.energy_scales(d, y)
     forces = [force_formula.elastic_force(d, c, -geometry.clearance_and_rate(d, c)[0]) for c in touched]
     scale = sum(
         force * step_control.penetration_scale(d, c) for force, c in zip(forces, touched, strict=True)
     )
-    known = sum(force * geometry.coordinate_sum(d, c, y) for force, c in zip(forces, touched, strict=True))
+    round_off_scale = sum(
+        force * geometry.coordinate_sum(d, c, y) for force, c in zip(forces, touched, strict=True)
+    )
     assert min(forces) > 1.0
-    assert found[0] - without[0] == pytest.approx(scale + step_control.impact_energy(d), rel=1e-9)
-    assert found[1] - without[1] == pytest.approx(known, rel=1e-9)
+    assert result[0] - without[0] == pytest.approx(scale + step_control.impact_energy(d), rel=1e-9)
+    assert result[1] - without[1] == pytest.approx(round_off_scale, rel=1e-9)
 
 
 def test_the_budget_is_that_of_errors_in_speeds_at_the_available_energy():
     d, _ = moving()
     d.step.end, speed = 4.0, math.sqrt(2.0 * 50.0)
-    right = 3.0 * TOLERANCE * (speed * (speed + d.balance.root_reference_energy) + d.balance.reference_energy)
-    assert balance.loss_budget(d, 50.0) == pytest.approx(1.3 * right, rel=1e-13)
+    expected = (
+        3.0 * TOLERANCE * (speed * (speed + d.balance.root_reference_energy) + d.balance.reference_energy)
+    )
+    assert balance.loss_budget(d, 50.0) == pytest.approx(1.3 * expected, rel=1e-13)
     assert (balance.ENERGY_LOSS, balance.LOSS_TIME, balance.STEP_CHANGE) == (3.0, 10.0, 3.0)
 
 
@@ -317,23 +321,23 @@ def after_a_turn(turn, **more):
     return d
 
 
-@pytest.mark.parametrize(("turn", "right"), [(0.98, False), (1.02, True), (-1.02, True)])
-def test_a_step_is_long_in_which_a_link_turns_far(turn, right):
+@pytest.mark.parametrize(("turn", "expected"), [(0.98, False), (1.02, True), (-1.02, True)])
+def test_a_step_is_long_in_which_a_link_turns_far(turn, expected):
     d = after_a_turn(turn * balance.LONG_TURN)
-    assert balance.may_err_in_middle(d) == right
+    assert balance.may_err_in_middle(d) == expected
     d.step.dense_for = OUTPUT_READER
     assert not balance.may_err_in_middle(d)  # an unknown quantity would cost more than the answer is worth
 
 
 def test_the_first_step_of_a_run_is_long_at_a_loose_tolerance():
     d = after_a_turn(0.1)
-    for steps, tolerance, right in (
+    for steps, tolerance, expected in (
         (0, 1.01 * balance.LOOSE_TOLERANCE, True),
         (0, 0.99 * balance.LOOSE_TOLERANCE, False),
         (1, 1.01 * balance.LOOSE_TOLERANCE, False),
     ):
         d.statistics.steps, d.solver.tolerance = steps, tolerance
-        assert balance.may_err_in_middle(d) == right
+        assert balance.may_err_in_middle(d) == expected
 
 
 def test_an_explicit_step_is_long_that_is_not_stable_for_its_joints():
@@ -359,9 +363,9 @@ def test_energy_dissipates_between_what_it_is_at_the_ends(monkeypatch, before, a
     slack = 10.0 * 3.0 * TOLERANCE * (d.chain.energy_scale + after + impacts)
     least, most = min(before, after), max(before, after)
     assert balance.dissipates_evenly(d, 0.5 * (least + most))
-    for part, right in ((0.99, True), (1.01, False)):
-        assert balance.dissipates_evenly(d, least - part * slack) == right
-        assert balance.dissipates_evenly(d, most + part * slack) == right
+    for part, expected in ((0.99, True), (1.01, False)):
+        assert balance.dissipates_evenly(d, least - part * slack) == expected
+        assert balance.dissipates_evenly(d, most + part * slack) == expected
 
 
 @pytest.mark.parametrize("entry", [2 + LINKS + 3, dissipated_at(LINKS)])  # a rate, and the energy itself

@@ -75,26 +75,26 @@ def test_the_dense_output_is_as_accurate_as_the_tolerance():
 def test_the_coordinates_keep_the_clearances_that_were_integrated(tolerance):
     """The tangential error ½h²ω²L would be many penetrations, at the ends and in between."""
     instance = touching(tolerance)
-    d, errors, seen = Plain(instance.record), {0.25: [], 0.5: [], 0.8: [], 1.0: []}, {}
+    d, errors, sizes = Plain(instance.record), {0.25: [], 0.5: [], 0.8: [], 1.0: []}, {}
     y = np.zeros(len(d.scratch.state))
     for time in np.arange(0.7, 1.2, 1e-3):
         instance.advance(time)
-        if d.step.last_method != IMPLICIT or known_clearances(d) == NOTHING_KNOWN or d.step.start in seen:
+        if d.step.last_method != IMPLICIT or known_clearances(d) == NOTHING_KNOWN or d.step.start in sizes:
             continue
-        seen[d.step.start] = d.step.size
-        for theta, found in errors.items():
+        sizes[d.step.start] = d.step.size
+        for theta, gap_errors in errors.items():
             dense_output.interpolate_state(d.step, theta, y)
             locate_points(d, y)
             for k in range(int(d.contacts.active_count)):
                 gap, _ = geometry.clearance_and_rate(d, int(d.contacts.active_index[k]))
-                found.append(
+                gap_errors.append(
                     abs(gap / collocation.extended_component(d, sundman_u_at(d.link_count) + k, theta) - 1.0)
                 )
-    assert max(seen.values()) > 1e-3
-    for found in errors.values():
-        assert len(found) > 60
-        assert np.quantile(found, 0.9) < 0.02
-        assert np.quantile(found, 0.99) < 1.0
+    assert max(sizes.values()) > 1e-3
+    for gap_errors in errors.values():
+        assert len(gap_errors) > 60
+        assert np.quantile(gap_errors, 0.9) < 0.02
+        assert np.quantile(gap_errors, 0.99) < 1.0
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-4])
@@ -132,8 +132,8 @@ def at_start(tolerance=1e-8, **tables):
 @pytest.mark.parametrize(
     ("gap", "gap_rate", "size"),
     [
-        (-0.5, 1.0, 0.5 * collocation.END_OVERSHOOT),  # s, in which it leaves
-        (-0.99, 1.0, 1.0),  # the contact ends in this step, but so shortly before its end that the size stays
+        (-0.5, 1.0, 0.5 * collocation.END_OVERSHOOT),  # the contact ends after 0.5 s
+        (-0.99, 1.0, 1.0),  # the contact ends so shortly before the end of the step that the size stays
         (-2.0, 1.0, 1.0),
         (-0.5, -1.0, 1.0),  # the point moves inward
         (-0.9 * collocation.FORCELESS_PART, 1.0, 1.0),  # the point has almost left
@@ -193,7 +193,7 @@ def test_a_first_step_that_meets_no_fast_motion_is_as_long_as_it_may_be():
     d, rho, _ = stiff_joint(1e3)
     assert collocation.prepare_step(d, 0.9 / rho) == 0.9 / rho
     assert collocation.prepare_step(d, 0.1) < 0.05
-    d.solver.tolerance = 1e6  # does not see it
+    d.solver.tolerance = 1e6  # the error of the fast motion is below the tolerance
     assert collocation.prepare_step(d, 0.1) == 0.1
     d.solver.tolerance = 1e-8
     d.step.state_end[omega_at(N) : omega_at(N) + N] = 1.0  # the chain turns as one body

@@ -61,8 +61,8 @@ def test_the_polynomial_goes_through_the_stages(step):
         part = collocation.extended_component(d, 4, theta) - d.implicit.z_start[4]
         assert part == pytest.approx(through(stages[:, 4], theta), abs=1e-14)
         for k in range(2):
-            found = basis(theta) @ d.quadrature.dense[:, k]
-            assert found == pytest.approx(through(stages[:, quadrature_at(d, k)], theta), abs=1e-14)
+            result = basis(theta) @ d.quadrature.dense[:, k]
+            assert result == pytest.approx(through(stages[:, quadrature_at(d, k)], theta), abs=1e-14)
     # the following entries have a linear course, without higher coefficients
     assert not d.step.dense[1:, n:].any()
     assert not d.step.dense[RADAU_STAGES:, :n].any()

@@ -33,9 +33,9 @@ def d():
 
 @pytest.mark.parametrize("theta", [0.0, 0.3, 0.8, 1.0])
 def test_a_state_is_that_of_the_polynomial(d, theta):
-    y, right = np.zeros(len(d.step.state)), d.step.state + basis(theta) @ d.step.dense
+    y, expected = np.zeros(len(d.step.state)), d.step.state + basis(theta) @ d.step.dense
     dense_output.interpolate_state(d.step, theta, y)
-    assert y == pytest.approx(right, abs=1e-14)
+    assert y == pytest.approx(expected, abs=1e-14)
     assert dense_output.interpolate_component(d.step, theta, 3) == y[3]
 
 
@@ -58,8 +58,8 @@ def test_the_dissipated_energy_lies_between_those_of_both_ends(d, monkeypatch, e
     assert 0.0 < slack < 1e-4
     assert min(polynomial) < lowest - slack
     assert max(polynomial) > highest + slack
-    found = [dense_output.dissipated_energy(d, y) for y in states]
-    assert found == pytest.approx(np.clip(polynomial, lowest - slack, highest + slack), abs=1e-15)
+    result = [dense_output.dissipated_energy(d, y) for y in states]
+    assert result == pytest.approx(np.clip(polynomial, lowest - slack, highest + slack), abs=1e-15)
     monkeypatch.setattr(user_law, "has_user_law", lambda: True)
     assert [dense_output.dissipated_energy(d, y) for y in states] == polynomial
 
@@ -68,8 +68,8 @@ def test_a_dissipated_energy_falls_by_a_tenth_of_the_tolerance_at_most(d, monkey
     """A user's law may supply energy, so there the energy may fall."""
     slack = 0.1 * d.solver.tolerance * (d.chain.energy_scale + 2.0)
     assert slack > 0.0
-    for end, right in [(2.0 - 0.9 * slack, 2.0 - 0.9 * slack), (2.0 - 1.1 * slack, 2.0), (2.5, 2.5)]:
-        assert dense_output.without_fall(d, 2.0, end) == right
+    for end, expected in [(2.0 - 0.9 * slack, 2.0 - 0.9 * slack), (2.0 - 1.1 * slack, 2.0), (2.5, 2.5)]:
+        assert dense_output.without_fall(d, 2.0, end) == expected
     monkeypatch.setattr(user_law, "has_user_law", lambda: True)
     assert dense_output.without_fall(d, 2.0, 1.0) == 1.0
 
@@ -91,10 +91,10 @@ def test_a_component_and_its_rate_stay_within_their_bounds(d, j):
     assert value == pytest.approx(abs(state) + dense_output.BASIS_BOUND @ np.abs(parts), rel=1e-12)
     assert slope == pytest.approx(dense_output.SLOPE_BOUND @ np.abs(parts) / 0.25, rel=1e-12)
     if j == 4:
-        found = dense_output.rate_bounds_along(d.step, j, 0.6, -0.8)
+        result = dense_output.rate_bounds_along(d.step, j, 0.6, -0.8)
         d.step.state[j] = 0.6 * state - 0.8 * d.step.state[j + 1]
         d.step.dense[:, j] = 0.6 * parts - 0.8 * d.step.dense[:, j + 1]
-        assert found == pytest.approx(dense_output.rate_bounds(d.step, j), rel=1e-12)
+        assert result == pytest.approx(dense_output.rate_bounds(d.step, j), rel=1e-12)
 
 
 def falling(d, start, end, lasts=1.0):
@@ -115,10 +115,10 @@ def falling(d, start, end, lasts=1.0):
 @pytest.mark.parametrize("theta", [1e-6, 0.1, 0.5, 0.9, 1.0])
 def test_a_moment_of_a_step_in_another_variable_is_found(d, start, end, theta):
     time = falling(d, start, end)
-    found = dense_output.regularized_fraction(d, time(theta))
-    assert time(found) == pytest.approx(time(theta), rel=1e-12)
-    assert found == pytest.approx(theta, rel=1e-6 if end else 1e-4)
-    assert dense_output.fraction_at_time(d, 3.0 + time(theta)) == pytest.approx(found, abs=1e-7)
+    result = dense_output.regularized_fraction(d, time(theta))
+    assert time(result) == pytest.approx(time(theta), rel=1e-12)
+    assert result == pytest.approx(theta, rel=1e-6 if end else 1e-4)
+    assert dense_output.fraction_at_time(d, 3.0 + time(theta)) == pytest.approx(result, abs=1e-7)
 
 
 def test_the_first_of_two_times_on_the_dense_output_is_taken(d):

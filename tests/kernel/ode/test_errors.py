@@ -16,7 +16,7 @@ from tests.helpers.scenes.bodies import cart
 from tests.kernel.chains import chain, gradients, locate_touching_state, mark_touching, random_state
 
 LINKS, TOLERANCE = 3, 1e-5
-ONE, OTHER = 0, 1  # rows of the two estimates
+FIRST, SECOND = 0, 1  # rows of the two estimates
 
 
 def deep(depth=1e-3, **more):
@@ -57,18 +57,21 @@ def test_an_error_is_that_of_its_worst_component_in_each_estimate():
     _, d, touched, y = deep()
     for j, scale in enumerate(scales(d, y)):
         d.scratch.y_error[:] = 0.0
-        d.scratch.y_error[ONE][j], d.scratch.y_error[OTHER][j] = -3e-6 * scale, 2e-6 * scale
+        d.scratch.y_error[FIRST][j], d.scratch.y_error[SECOND][j] = -3e-6 * scale, 2e-6 * scale
         assert step_control.scaled_errors(d) == pytest.approx((0.3, 0.2), rel=1e-12)
         # a smaller error does not count beside a larger error
-        d.scratch.y_error[ONE][0] = 5e-6 * d.chain.longest_link
-        d.scratch.y_error[OTHER][0] = -5e-6 * d.chain.longest_link
+        d.scratch.y_error[FIRST][0] = 5e-6 * d.chain.longest_link
+        d.scratch.y_error[SECOND][0] = -5e-6 * d.chain.longest_link
         assert step_control.scaled_errors(d) == pytest.approx((0.5, 0.5), rel=1e-12)
     d.scratch.y_error[:] = 0.0
     d.scratch.y_error[:, supplied_at(LINKS) :] = 1e3
     assert step_control.scaled_errors(d) == (0.0, 0.0)
     for k, c in enumerate(touched):
         scale, d.contacts.clearance_error[:] = step_control.penetration_scale(d, c), 0.0
-        d.contacts.clearance_error[ONE, k], d.contacts.clearance_error[OTHER, k] = -4e-6 * scale, 1e-6 * scale
+        d.contacts.clearance_error[FIRST, k], d.contacts.clearance_error[SECOND, k] = (
+            -4e-6 * scale,
+            1e-6 * scale,
+        )
         assert step_control.scaled_errors(d) == pytest.approx((0.4, 0.1), rel=1e-12)
 
 
@@ -79,39 +82,39 @@ def test_a_state_that_is_not_finite_has_an_infinite_error(bad, where):
     for j in range(dissipated_at(LINKS) + 1):
         d.scratch.y_error[:] = 0.0
         row = {
-            "one": d.scratch.y_error[ONE],
-            "other": d.scratch.y_error[OTHER],
+            "one": d.scratch.y_error[FIRST],
+            "other": d.scratch.y_error[SECOND],
             "result": d.trial.state,
         }[where]
-        right, row[j] = row[j], bad
+        number, row[j] = row[j], bad
         assert step_control.scaled_errors(d) == (math.inf, math.inf)
-        row[j] = right
+        row[j] = number
     assert step_control.scaled_errors(d) == (0.0, 0.0)
 
 
 def test_two_errors_are_the_largest_scaled_components():
-    one, other = np.array([-1.0, 2.0, 9.0]), np.array([3.0, -4.0, math.nan])
+    first, other = np.array([-1.0, 2.0, 9.0]), np.array([3.0, -4.0, math.nan])
     weight = np.array([0.4, 0.5, 1.0])
-    assert step_control.largest_errors(one, other, weight, 2) == pytest.approx((1.0, 2.0), rel=1e-15)
-    assert step_control.largest_errors(one, other, weight, 1) == pytest.approx((0.4, 1.2), rel=1e-15)
-    assert step_control.largest_errors(one, other, weight, 0) == (0.0, 0.0)
+    assert step_control.largest_errors(first, other, weight, 2) == pytest.approx((1.0, 2.0), rel=1e-15)
+    assert step_control.largest_errors(first, other, weight, 1) == pytest.approx((0.4, 1.2), rel=1e-15)
+    assert step_control.largest_errors(first, other, weight, 0) == (0.0, 0.0)
     assert (
-        step_control.largest_errors(one, other, weight, 3)
-        == step_control.largest_errors(other, one, weight, 3)
+        step_control.largest_errors(first, other, weight, 3)
+        == step_control.largest_errors(other, first, weight, 3)
         == (math.inf,) * 2
     )
 
 
 def test_scales_are_those_of_the_components_and_of_the_contacts_that_count():
     _, d, touched, y = deep()
-    right, first = scales(d, y), sundman_u_at(LINKS)
+    scales_of_state, first = scales(d, y), sundman_u_at(LINKS)
     gaps = [step_control.penetration_scale(d, c) for c in touched]
     for count in (2, 0):
         weight = np.full(len(y) + 4, 7.0)
         step_control.set_scales(d, y.copy(), weight, count)
-        assert weight[: len(right)] == pytest.approx(right, rel=1e-13)
+        assert weight[: len(scales_of_state)] == pytest.approx(scales_of_state, rel=1e-13)
         assert weight[first : first + count] == pytest.approx(gaps[:count], rel=1e-13)
-        assert (weight[len(right) : first] == 7.0).all()
+        assert (weight[len(scales_of_state) : first] == 7.0).all()
         assert (weight[first + count :] == 7.0).all()
 
 
@@ -138,11 +141,11 @@ def test_errors_of_clearances_are_errors_of_coordinates_along_normals():
     scene, d, touched, y = deep()
     d.scratch.y_error[:] = np.random.default_rng(6).uniform(-1e-6, 1e-6, d.scratch.y_error.shape)
     locate_points(d, y)
-    for row in (ONE, OTHER):
+    for row in (FIRST, SECOND):
         step_control.set_clearance_errors(d, row)
     slopes = gradients(scene, d, y[2 : LINKS + 2], touched)
-    right = slopes @ d.scratch.y_error[:2, : LINKS + 2].T
-    assert pytest.approx(right, rel=1e-12) == d.contacts.clearance_error[:2, :2].T
+    expected = slopes @ d.scratch.y_error[:2, : LINKS + 2].T
+    assert pytest.approx(expected, rel=1e-12) == d.contacts.clearance_error[:2, :2].T
 
 
 def test_the_moment_of_a_joint_is_off_by_its_own_turn():
@@ -151,7 +154,7 @@ def test_the_moment_of_a_joint_is_off_by_its_own_turn():
     _, d = chain(rng, LINKS, "pinned", springs=True, dampers=True)
     d.scratch.y_error[:] = rng.uniform(-1e-3, 1e-3, d.scratch.y_error.shape)
     unit = d.chain.energy_scale * (1.0 + d.chain.gravity_magnitude / d.chain.longest_link)
-    for row in (ONE, OTHER):
+    for row in (FIRST, SECOND):
         turns = np.diff(d.scratch.y_error[row][2 : LINKS + 2], prepend=0.0)
         spins = np.diff(d.scratch.y_error[row][omega_at(LINKS) : dissipated_at(LINKS)], prepend=0.0)
         stiffness, damping = d.inputs.drive_stiffness[:-1], d.inputs.drive_damping[:-1]
@@ -162,11 +165,11 @@ def test_the_moment_of_a_joint_is_off_by_its_own_turn():
 def test_the_force_of_a_slider_is_off_by_its_own_error_along_the_line():
     """The force counts times the longest link, 0.5 m; the pole has no spring and no damper."""
     d = initialized(cart())
-    d.scratch.y_error[ONE][:2], d.scratch.y_error[ONE][3:5] = (2e-3, -1e-3), (-3e-3, 5e-3)
+    d.scratch.y_error[FIRST][:2], d.scratch.y_error[FIRST][3:5] = (2e-3, -1e-3), (-3e-3, 5e-3)
     line = np.array([math.cos(0.1), math.sin(0.1)])
     force = 5.0 * abs(line @ (2e-3, -1e-3)) + 0.4 * abs(line @ (-3e-3, 5e-3))
     unit = d.chain.energy_scale * (1.0 + 9.81 / 0.5)
-    assert step_control.force_errors(d)[ONE] == pytest.approx(0.5 * force / unit, rel=1e-12)
+    assert step_control.force_errors(d)[FIRST] == pytest.approx(0.5 * force / unit, rel=1e-12)
 
 
 def test_moments_count_where_a_rigid_wall_holds_a_point():
@@ -177,7 +180,7 @@ def test_moments_count_where_a_rigid_wall_holds_a_point():
     y = random_state(rng, d)
     locate_points(d, y)
     d.trial.state[:], d.scratch.y_error[:] = y, 0.0
-    d.scratch.y_error[ONE][3], d.scratch.y_error[OTHER][4] = 1e-7, 2e-7
+    d.scratch.y_error[FIRST][3], d.scratch.y_error[SECOND][4] = 1e-7, 2e-7
     mark_touching(d, [])
     free = step_control.scaled_errors(d)
     assert free == pytest.approx((1e-7 / TOLERANCE, 2e-7 / TOLERANCE), rel=1e-12)

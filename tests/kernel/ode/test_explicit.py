@@ -46,11 +46,11 @@ def trees(order):
     """Return the rooted trees with n vertices, each as the sorted tuple of its root's subtrees."""
     if order == 1:
         return ((),)
-    found = set()
+    tree_set = set()
     for parts in partitions(order - 1, order - 1):
         for children in itertools.product(*(trees(part) for part in parts)):
-            found.add(tuple(sorted(children)))
-    return tuple(sorted(found))
+            tree_set.add(tuple(sorted(children)))
+    return tuple(sorted(tree_set))
 
 
 def partitions(total, largest):
@@ -245,8 +245,8 @@ def test_error_estimate_is_not_below_the_true_error(scene, exact, columns, h):
     y = d["step"]["state_end"][columns]
     # the scales of pendulum and rod: 1 m, 1 rad, and 1 plus the speed
     scale = np.where(np.array(columns) < 3, 1.0, 1.0 + np.abs(y))
-    true = np.abs((y - exact(h)) / scale).max()
-    assert true < estimate < 1e5 * true
+    error = np.abs((y - exact(h)) / scale).max()
+    assert error < estimate < 1e5 * error
 
 
 @pytest.mark.parametrize("entry", range(6))
@@ -268,10 +268,10 @@ def test_the_points_of_a_step_are_located_where_it_is_to_be_projected():
     begin_step(d)
     methods.integrate_trial(d, 0.1)
     assert step_control.is_accepted(d)
-    found = located(d)
+    points = located(d)
     kinematics.locate_points(d, d.trial.state)
-    np.testing.assert_array_equal(found, located(d))
-    assert abs(found[-1] - 0.4 * np.exp(-0.6j) - 0.4 * np.exp(-1.1j)) > 1e-3
+    np.testing.assert_array_equal(points, located(d))
+    assert abs(points[-1] - 0.4 * np.exp(-0.6j) - 0.4 * np.exp(-1.1j)) > 1e-3
 
 
 # --- sizes -------------------------------------------------------------------------------------------------

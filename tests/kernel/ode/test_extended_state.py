@@ -107,9 +107,9 @@ def test_slopes_are_those_of_the_forces_and_the_links_are_kept(touching):
     z[clearance_at(d, 0)], z[clearance_at(d, 1)] = -3e-3, 1e-3  # the second point has left its wall
     extended_state.extended_slopes(d, z)
     for k, depth in enumerate((3e-3, 0.0)):
-        right = force_formula.law_slopes(d, touched[k], depth, -z[rate_at(d, k)])
+        expected = force_formula.law_slopes(d, touched[k], depth, -z[rate_at(d, k)])
         assert (d.implicit.contact_stiffness[k], d.implicit.contact_damping[k]) == pytest.approx(
-            right, rel=1e-13
+            expected, rel=1e-13
         )
     for axis in "xy":
         assert d.implicit.link_vector[axis][:LINKS].tolist() == d.scratch.link_vector[axis][:LINKS].tolist()

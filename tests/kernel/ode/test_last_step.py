@@ -54,11 +54,11 @@ def exact_rate(d, y):
 def test_an_accepted_step_goes_on_where_the_last_one_ended(method):
     """The rate at the end is known after an explicit step, and computed after an implicit step."""
     d = with_a_step(started(method))
-    count, known = int(d.statistics.rhs_evaluations), int(method == EXPLICIT)
-    assert d.step.rate_known == known
+    count, is_known = int(d.statistics.rhs_evaluations), int(method == EXPLICIT)
+    assert d.step.rate_known == is_known
     last_step.ensure_rate(d)
     last_step.ensure_rate(d)
-    assert d.statistics.rhs_evaluations - count == 1 - known
+    assert d.statistics.rhs_evaluations - count == 1 - is_known
     np.testing.assert_allclose(d.scratch.rate_end, exact_rate(d, d.step.state_end), atol=1e-12)
     before, breaks = d.step.state_end.copy(), int(d.step.break_count)
     d.step.state_end[-1] = 0.0
@@ -76,12 +76,12 @@ def test_points_are_those_at_the_end_whoever_has_moved_them(points):
         d.step.state_end[-1] = 0.0
         with_a_step(d, size)
         last_step.ensure_points(d)
-        found = np.array([d.scratch.position.x, d.scratch.velocity.y])
+        result = np.array([d.scratch.position.x, d.scratch.velocity.y])
         kinematics.locate_points(d, d.step.state_end)
-        np.testing.assert_array_equal(found, [d.scratch.position.x, d.scratch.velocity.y])
+        np.testing.assert_array_equal(result, [d.scratch.position.x, d.scratch.velocity.y])
         kinematics.locate_points(d, d.step.state)
     last_step.ensure_points(d)
-    np.testing.assert_array_equal(found[0], d.scratch.position.x)
+    np.testing.assert_array_equal(result[0], d.scratch.position.x)
 
 
 @pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
@@ -127,7 +127,7 @@ def test_dissipation_below_the_last_digit_adds_up_while_an_element_sticks(method
     A step that is cut at an event keeps its part.
     """
     scene = sticking_and_damped()
-    lost, digit, found = state.dissipated_at(2), np.spacing(1e6), []
+    lost, digit, losses = state.dissipated_at(2), np.spacing(1e6), []
     for before in (0.0, 1e6):
         d = initialized(scene)
         assert d.friction.stuck_count == 1
@@ -140,17 +140,17 @@ def test_dissipation_below_the_last_digit_adds_up_while_an_element_sticks(method
                     last_step.roll_back(d)
                 elif cut:
                     last_step.truncate_step(d, 0.6)
-        found.append(d.step.state_end[lost] - before)
-        assert found[0] / 12 < 0.5 * digit < 0.25 * found[0]
+        losses.append(d.step.state_end[lost] - before)
+        assert losses[0] / 12 < 0.5 * digit < 0.25 * losses[0]
         assert abs(d.step.remainder_end) <= 0.5 * digit
-    assert found[1] + d.step.remainder_end == pytest.approx(found[0], rel=1e-9)
+    assert losses[1] + d.step.remainder_end == pytest.approx(losses[0], rel=1e-9)
 
 
 @pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
 @pytest.mark.parametrize("first", [1.0, 0.9, 0.55])
 def test_a_step_that_is_cut_twice_dissipates_as_if_cut_once(method, first):
     """This includes the part below the last digit of 1e6 J, also after a step of zero length."""
-    lost, found = state.dissipated_at(2), []
+    lost, ends = state.dissipated_at(2), []
     for parts in ((0.5,), (first, 0.5)):
         d = initialized(sticking_and_damped())
         d.step.method, d.step.state_end[lost] = method, 1e6
@@ -162,9 +162,9 @@ def test_a_step_that_is_cut_twice_dissipates_as_if_cut_once(method, first):
         last_step.reset_step(d, d.step.end, d.step.state_end.copy())
         for _ in parts:
             last_step.truncate_step(d, 0.0)
-        found.append((d.step.state_end[lost], d.step.remainder_end))
-    assert found[0][1] != 0.0
-    assert found[0] == found[1]
+        ends.append((d.step.state_end[lost], d.step.remainder_end))
+    assert ends[0][1] != 0.0
+    assert ends[0] == ends[1]
 
 
 @pytest.mark.parametrize("how", ["count_break", "roll_back", "truncate_step", "reset_step"])
@@ -234,10 +234,10 @@ def test_a_link_can_have_turned_as_its_rates_at_the_ends_allow():
 @pytest.mark.parametrize("touching", [0, 1, 2])
 def test_points_that_the_error_of_a_step_has_located_are_not_located_again(monkeypatch, touching):
     """The error of a step locates the points only if there are contacts, or elements that stick."""
-    d, told = started(), []
+    d, were_located = started(), []
     methods.prepare_step(d, H)
     methods.integrate_trial(d, H)
     d.contacts.active_count = touching
-    monkeypatch.setattr(last_step, "find_rate", lambda _, located: told.append(bool(located)))
+    monkeypatch.setattr(last_step, "find_rate", lambda _, located: were_located.append(bool(located)))
     last_step.make_last_step(d)
-    assert told == [touching > 0]
+    assert were_located == [touching > 0]

@@ -92,9 +92,9 @@ def test_linear_systems_are_solved_as_assembled(turn, stiffness, damping, h):
     matrix = jacobian(d, turn)
     # an oblique impedance has round-off in all directions, also beside its normal
     slanted = 1e-6 if turn else 0.0
-    for shift, r, found in solutions(d, len(matrix), h):
-        left = found - shift * (matrix @ found)
-        scale = np.abs(found) + abs(shift) * np.abs(matrix) @ np.abs(found) + np.abs(r)
+    for shift, r, solution in solutions(d, len(matrix), h):
+        left = solution - shift * (matrix @ solution)
+        scale = np.abs(solution) + abs(shift) * np.abs(matrix) @ np.abs(solution) + np.abs(r)
         assert np.abs((left - r) / scale).max() < 1e-10 + slanted
 
 
@@ -132,11 +132,11 @@ def held(base, stiffness, damping):
 @pytest.mark.parametrize(("stiffness", "damping"), [(0.0, 10.0), (10.0, 0.0), (1e3, 1e3)])
 @pytest.mark.parametrize("base", ["free", "pinned"])
 def test_the_response_of_joints_leaves_held_points_where_they_are(base, stiffness, damping, h):
-    """r − x of the rates is that of the constrained equations, but for masses and K over D."""
+    """r − x of the rates is that of constrained equations, except for the joints' share of the impedance."""
     d, matrix = held(base, stiffness, damping)
     v, impedance = slice(N + 2, 2 * N + 4), holding_impedance(d)
-    for shift, r, found in solutions(d, len(matrix), h):
+    for shift, r, solution in solutions(d, len(matrix), h):
         exact = np.linalg.solve(np.eye(len(r)) - shift * matrix, r)
         resistance = abs(shift * (damping + shift * stiffness))
         bound = 3e-5 + 10.0 * resistance / impedance
-        assert np.abs(found - exact)[v].max() < bound * np.abs(r - exact)[v].max()
+        assert np.abs(solution - exact)[v].max() < bound * np.abs(r - exact)[v].max()

@@ -45,11 +45,11 @@ def problem(rate, jacobian):
 
     def solve(d, h, _size):
         parts, matrix = d.implicit.right_hand_sides, h * jacobian(d.implicit.z_start)
-        one = np.eye(len(matrix))
-        parts[0] = np.linalg.solve(one - radau.REAL_EIGENVALUE * matrix, parts[0])
+        unity = np.eye(len(matrix))
+        parts[0] = np.linalg.solve(unity - radau.REAL_EIGENVALUE * matrix, parts[0])
         for pair, (real, imaginary) in enumerate(radau.COMPLEX_EIGENVALUES):
             at = 1 + 2 * pair
-            x = np.linalg.solve(one - complex(real, imaginary) * matrix, parts[at] + 1j * parts[at + 1])
+            x = np.linalg.solve(unity - complex(real, imaginary) * matrix, parts[at] + 1j * parts[at + 1])
             parts[at], parts[at + 1] = x.real, x.imag
 
     find_residuals, correct_stages, converge = radau.simplified_newton(
@@ -79,12 +79,12 @@ def estimated(monkeypatch):
             matrix = jacobian(d.implicit.z_start)
             x[:] = np.linalg.solve(np.eye(len(matrix)) - shift * matrix, x)
 
-        def found(d, h):
+        def estimate_error(d, h):
             d.implicit.rate_start[:] = rate(d.implicit.z_start)
             return collocation.error_estimate(d, h, len(d.implicit.z_start))
 
         monkeypatch.setattr(collocation, "solve_real", solve)
-        return found
+        return estimate_error
 
     return of
 
@@ -126,13 +126,13 @@ def test_order_is_nine_with_any_jacobian(kind):
 def test_error_estimates_have_orders_five_and_six_and_combine_to_seven(kind, estimated):
     """f is interpolated by five values in E, with an error of h⁵, and by four in E′; both are times h."""
     _, step = problem(oscillator, JACOBIANS[kind])
-    error_of, sizes, found = estimated(oscillator, JACOBIANS[kind]), (0.05, 0.025, 0.0125), []
+    error_of, sizes, errors_of_sizes = estimated(oscillator, JACOBIANS[kind]), (0.05, 0.025, 0.0125), []
     for h in sizes:
         d = record(np.array([1.5, -1.0, 0.3]), 1.0)
         step(d, h)
         error = error_of(d, h)
-        found.append([*np.abs(d.implicit.right_hand_sides[:2]).max(1), error])
-    slopes = np.diff(np.log(found), axis=0) / np.diff(np.log(sizes))[:, None]
+        errors_of_sizes.append([*np.abs(d.implicit.right_hand_sides[:2]).max(1), error])
+    slopes = np.diff(np.log(errors_of_sizes), axis=0) / np.diff(np.log(sizes))[:, None]
     expected = [RADAU_STAGES + 1, RADAU_STAGES, step_control.ERROR_ORDER[IMPLICIT]]
     np.testing.assert_allclose(slopes, [expected] * 2, rtol=0, atol=0.15)
 

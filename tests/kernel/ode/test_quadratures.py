@@ -73,11 +73,11 @@ def test_without_them_the_motion_is_the_same_bit_by_bit():
     scene = load_scene("four_link_box")
     without = replace(scene, outputs=replace(scene.outputs, contacts=False, impacts=0))
     assert Instance(without).record["quadrature"]["computed"] == 0
-    one, other = simulate(scene), simulate(without)
+    result, other = simulate(scene), simulate(without)
     for name in ("point_position", "point_velocity", "force", "dissipated"):
-        np.testing.assert_array_equal(one.outputs[name], other.outputs[name])
+        np.testing.assert_array_equal(result.outputs[name], other.outputs[name])
     assert not other.outputs["impulse"].any()
-    assert one.statistics == other.statistics
+    assert result.statistics == other.statistics
 
 
 # --- single functions ---------------------------------------------------------------------------------------
@@ -136,13 +136,13 @@ def test_integrals_of_dry_friction_follow_those_of_contacts(contacts, joints):
     own.rate[:] = 99.0
     quadratures.store_end_rates(d)
     quadratures.commit_quadratures(d)
-    right = np.zeros(len(own.integral))
-    right[touched], right[d.candidate_count + touched] = (
+    expected = np.zeros(len(own.integral))
+    expected[touched], expected[d.candidate_count + touched] = (
         d.contacts.force[touched],
         d.friction_element.force[touched],
     )
-    right[last] = 3.5
-    assert own.rate.tolist() == right.tolist()
+    expected[last] = 3.5
+    assert own.rate.tolist() == expected.tolist()
 
 
 @pytest.mark.parametrize("at_end", [False, True])
@@ -151,9 +151,9 @@ def test_a_stage_is_the_force_in_the_variable_of_the_step(d, at_end):
     before = d.quadrature.stage.copy()
     (quadratures.set_quadrature_stage_at_end if at_end else quadratures.set_quadrature_stage)(d, 4)
     forces = d.quadrature.rate_end[:2] if at_end else d.contacts.force[TOUCHED]
-    right = forces * d.scratch.stage[4, time_at(2)]
-    assert d.quadrature.stage[4, :2].tolist() == right.tolist()
-    before[4, :2] = right
+    expected = forces * d.scratch.stage[4, time_at(2)]
+    assert d.quadrature.stage[4, :2].tolist() == expected.tolist()
+    before[4, :2] = expected
     assert d.quadrature.stage.tolist() == before.tolist()
 
 
@@ -162,32 +162,32 @@ def test_a_step_goes_on_from_the_last_one_and_may_be_cut_or_dropped(d):
     end, tried, total = *values(d, "state_end", "tried_state"), d.quadrature.integral.copy()
     quadratures.accept_quadratures(d)
     assert values(d, "state", "state_end") == [end, tried]
-    right = [interpolate_component(d.quadrature, 0.3, k) for k in range(2)]
+    expected = [interpolate_component(d.quadrature, 0.3, k) for k in range(2)]
     quadratures.truncate_quadratures(d, 0.3)
-    assert values(d, "state", "state_end") == [end, right]
+    assert values(d, "state", "state_end") == [end, expected]
     quadratures.commit_quadratures(d)
-    total[TOUCHED] = right
+    total[TOUCHED] = expected
     assert d.quadrature.integral.tolist() == total.tolist()
     quadratures.roll_back_quadratures(d)
     assert values(d, "state", "state_end") == [end, end]
 
 
 @pytest.mark.parametrize(
-    ("rigid", "wall", "course", "right"),
+    ("rigid", "wall", "course", "expected"),
     [
         (0, (2, 0), [(5.0, 5.0), (4.9, 5.5)], [5.0, 5.5]),
         (1, (2, 0), [(5.0, 1.0), (4.0, 3.0)], [5.0, 2.0]),
         (1, (2, 0), [(5.0, 1.0), (4.0, 1.5)], [5.0, 1.0]),  # the correction never exceeds the other impulse
         (1, (2, 1), [(5.0, 1.0), (4.0, 3.0)], [5.0, 3.0]),  # stops of other joints do not take part
-        (1, ((2, 3), 0), [(5.0, 1.0), (4.0, 3.0)], [5.0, 3.0]),  # nor have other walls
+        (1, ((2, 3), 0), [(5.0, 1.0), (4.0, 3.0)], [5.0, 3.0]),  # other walls do not take part
     ],
 )
-def test_an_integral_that_falls_is_kept_or_its_sum_at_a_rigid_wall(d, rigid, wall, course, right):
+def test_an_integral_that_falls_is_kept_or_its_sum_at_a_rigid_wall(d, rigid, wall, course, expected):
     make_rigid(d, rigid)
     d.candidate.wall[TOUCHED], d.candidate.stop[TOUCHED] = wall
     d.quadrature.state[:2], d.quadrature.state_end[:2] = course
     quadratures.correct_falling_quadratures(d)
-    assert values(d, "state_end") == [right]
+    assert values(d, "state_end") == [expected]
 
 
 def test_the_energy_of_dry_friction_does_not_fall(d):
@@ -199,7 +199,6 @@ def test_the_energy_of_dry_friction_does_not_fall(d):
 
 @pytest.mark.parametrize("kept", [1.0, 0.7])
 def test_a_course_that_falls_is_below_all_that_follows(d, kept):
-    """3 θ² − 2 θ³ rises slowly at first, and the added function falls earlier."""
     thetas = np.linspace(0.0, kept, 71)
     d.quadrature.dense[:, 0], d.step.end_fraction = 0.0, kept
     d.quadrature.dense[:3, 0], d.quadrature.state[0] = (1.0, -1.9, 2.0), 3.0
@@ -237,7 +236,7 @@ def test_rigid_walls_give_their_impulses_at_once_and_none_that_pulls(d, rigid, i
     """Compliant contacts get no immediate impulse."""
     make_rigid(d, np.isin(np.arange(d.candidate_count), rigid))
     d.constraints.impulse[:2] = impulses
-    right = d.quadrature.integral.copy()
-    right[TOUCHED] += given
+    expected = d.quadrature.integral.copy()
+    expected[TOUCHED] += given
     quadratures.add_impulses_of_impact(d)
-    assert d.quadrature.integral.tolist() == right.tolist()
+    assert d.quadrature.integral.tolist() == expected.tolist()

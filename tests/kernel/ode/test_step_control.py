@@ -49,8 +49,8 @@ def test_the_rise_time_of_a_force_is_that_of_depth_or_damping(power, restitution
     assert step_control.contact_time_scale(d, 0) == pytest.approx(time, rel=1e-13)
     d.solver.tolerance = 1e-6
     for method in (EXPLICIT, IMPLICIT):
-        right = ONSET_SIZE[method] * time * 1e-6 ** step_control.ONSET_EXPONENT[method]
-        assert step_control.size_at_onset(d, 0, method) == pytest.approx(right, rel=1e-13)
+        expected = ONSET_SIZE[method] * time * 1e-6 ** step_control.ONSET_EXPONENT[method]
+        assert step_control.size_at_onset(d, 0, method) == pytest.approx(expected, rel=1e-13)
     # 15 tolerance^(1/3)
     assert step_control.size_at_second_onset(d, 0) == pytest.approx(0.15 * time, rel=1e-13)
 
@@ -91,8 +91,8 @@ def test_a_size_follows_from_the_error_and_from_the_cost():
         d.step.method = method
         for error in (5.0, 1e-5):
             step_control.set_outcome(d, error, 0.7)
-            right = SAFETY_FACTOR[method] * 0.7 * error ** step_control.SIZE_EXPONENT[method]
-            assert step_control.next_size_factor(d) == pytest.approx(right, rel=1e-13)
+            expected = SAFETY_FACTOR[method] * 0.7 * error ** step_control.SIZE_EXPONENT[method]
+            assert step_control.next_size_factor(d) == pytest.approx(expected, rel=1e-13)
         for error in (1e12, math.inf, math.nan):
             step_control.set_outcome(d, error, 0.7)
             assert step_control.next_size_factor(d) == 0.1  # at least step_control.LEAST_RATIO

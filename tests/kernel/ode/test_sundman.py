@@ -93,11 +93,11 @@ def test_a_rate_in_its_variable_is_that_in_time_times_p(u):
     in_time, rate, again = np.zeros((3, len(y)))
     equations.rate_from_state(d, y, in_time)
     sundman.regularize_rate(d, y, in_time, rate)
-    right = u / (1.0 + u * u) * in_time
+    rate_in_u = u / (1.0 + u * u) * in_time
     # du/ds = δ̇/(2 δ* (1 + u²))
-    right[U] = -geometry.clearance_and_rate(d, c)[1] / (2.0 * SCALE * (1.0 + u * u))
-    assert rate == pytest.approx(right, rel=1e-13)
-    assert sundman.root_rate(d, u) == pytest.approx(right[U], rel=1e-13)
+    rate_in_u[U] = -geometry.clearance_and_rate(d, c)[1] / (2.0 * SCALE * (1.0 + u * u))
+    assert rate == pytest.approx(rate_in_u, rel=1e-13)
+    assert sundman.root_rate(d, u) == pytest.approx(rate_in_u[U], rel=1e-13)
     again[:] = in_time
     sundman.convert_to_fictitious_time(d, y, again)
     assert again.tolist() == rate.tolist()
@@ -127,7 +127,7 @@ def test_u_bends_as_its_rate_changes_along_the_motion(u):
     equations.rate_from_state(d, y, rate)
     kinematics.accelerate_points(d, y, rate)
     slope, p = sundman.root_rate(d, u), sundman_rate.regularized_time_rate(u)
-    found = sundman.root_curvature(d, u, slope)
+    result = sundman.root_curvature(d, u, slope)
     h, rates = 1e-7, []
     for s in (-h, h):
         moved = y + s * p * rate
@@ -135,7 +135,7 @@ def test_u_bends_as_its_rate_changes_along_the_motion(u):
         moved[: n + 2] += 0.5 * (s * p) ** 2 * rate[n + 2 : 2 * n + 4]
         kinematics.locate_points(d, moved)
         rates.append(sundman.root_rate(d, u + s * slope))
-    assert found == pytest.approx((rates[1] - rates[0]) / (2 * h), rel=1e-5)
+    assert result == pytest.approx((rates[1] - rates[0]) / (2 * h), rel=1e-5)
 
 
 def test_time_passes_as_p_says_and_as_itself_without_a_contact():
@@ -152,16 +152,16 @@ def test_time_passes_as_p_says_and_as_itself_without_a_contact():
 
 
 @pytest.mark.parametrize(
-    ("u", "time", "right"),
+    ("u", "time", "expected"),
     [
         *((0.9 * sundman.LEAST_ROOT, 1e-9, False), (1.1 * sundman.LEAST_ROOT, 1e-9, True)),
         *((0.5, -1e-9, True), (0.5, 0.0, True), (0.5, 1e-9, False)),
     ],
 )
-def test_a_step_must_not_go_far_beyond_the_end(u, time, right):
+def test_a_step_must_not_go_far_beyond_the_end(u, time, expected):
     d, _, y = contact()
     y[U], y[state.time_at(LINKS)] = u, time
-    assert sundman.runs_back(d, y) == right
+    assert sundman.runs_back(d, y) == expected
     d.step.regularized_candidate = NO_CONTACT
     assert not sundman.runs_back(d, y)
 
@@ -193,17 +193,17 @@ def test_a_point_at_rest_on_a_wall_has_time_as_its_variable():
     d, c, _ = contact()
     place(d, c, -SCALE * (0.5 * sundman.RESTING_SUM) ** 2)  # u = RESTING_SUM/2
     own = c, pytest.approx(0.5 * sundman.RESTING_SUM, rel=1e-6)
-    for part, right in ((0.49, IN_TIME), (0.51, own)):
+    for part, expected in ((0.49, IN_TIME), (0.51, own)):
         d.contacts.latched_speed[c] = abs(geometry.clearance_and_rate(d, c)[1]) / (part * sundman.RESTING_SUM)
-        assert sundman.find_lone_contact(d) == right
+        assert sundman.find_lone_contact(d) == expected
 
 
 def test_at_a_wall_an_arriving_point_is_in_contact():
-    seen = set()
+    directions = set()
     for seed in range(6):
         d, c, _ = contact(seed)
         place(d, c, 1e-12)
         arrives = bool(geometry.clearance_and_rate(d, c)[1] < 0.0)
         assert sundman.find_lone_contact(d) == ((c, 0.0) if arrives else (NO_CONTACT, 1.0))
-        seen.add(arrives)
-    assert seen == {True, False}
+        directions.add(arrives)
+    assert directions == {True, False}

@@ -122,11 +122,11 @@ def test_the_rate_of_joints_counts_where_its_bound_exceeds_what_is_stiff(rng):
     bound = d.chain.joint_rate_bound
     assert rate < bound
     # below this limit the bound replaces the rate, whose computation costs more
-    for number, right in (
+    for number, expected in (
         (0.99 * STIFF_STEP, 0.99 * STIFF_STEP),
         (1.01 * STIFF_STEP, 1.01 * STIFF_STEP * rate / bound),
     ):
-        assert methods.find_joint_stiffness(d, number / bound) == pytest.approx(right)
+        assert methods.find_joint_stiffness(d, number / bound) == pytest.approx(expected)
     assert methods.find_joint_stiffness(d, 50.0) == pytest.approx(50.0 * rate)
 
 
@@ -135,9 +135,9 @@ def test_the_rate_of_contacts_is_that_of_the_fastest(pressed):
     for slow, fast in (touched, touched[::-1]):
         d.contacts.effective_mass[slow], d.contacts.effective_mass[fast] = 1e3, 1e-2
         stiffness, damping = contact_slopes(d, fast)
-        right = max(damping / 1e-2, math.sqrt(stiffness / 1e-2))
-        assert methods.fastest_contact(d) == pytest.approx(right, rel=1e-13)
-        assert methods.stiffness_number(d, 0.3) == pytest.approx(0.3 * right, rel=1e-13)
+        expected = max(damping / 1e-2, math.sqrt(stiffness / 1e-2))
+        assert methods.fastest_contact(d) == pytest.approx(expected, rel=1e-13)
+        assert methods.stiffness_number(d, 0.3) == pytest.approx(0.3 * expected, rel=1e-13)
     make_rigid(d)
     assert methods.fastest_contact(d) == 0.0
 
@@ -158,14 +158,14 @@ def test_a_contact_lasts_after_some_times_of_an_impact(pressed):
     d.contacts.expected_penetration[touched], d.contacts.latched_speed[touched] = [1e-3, 4e-3], [0.5, 0.5]
     d.step.end, slow = 2.0, methods.SUSTAINED_AFTER * 4e-3 / 0.5
     # all contacts must last; the first is four times as fast
-    for first, second, right in (
+    for first, second, expected in (
         (1.01, 1.01, True),
         (1.01, 0.99, False),
         (0.3, 1.01, True),
         (0.2, 1.01, False),
     ):
         d.contacts.onset[touched] = 2.0 - first * slow, 2.0 - second * slow
-        assert methods.are_contacts_sustained(d) == right
+        assert methods.are_contacts_sustained(d) == expected
     mark_touching(d, [])
     assert not methods.are_contacts_sustained(d)
 
@@ -181,10 +181,10 @@ def test_explicit_steps_suggest_a_switch_where_they_are_stiff(pressed, lasting):
         (1.01 * stiff_contact, lasting),
         (0.99 * stiff_contact, False),
     )
-    for number, right in rows:
+    for number, expected in rows:
         d.step.end = number / rate
         d.contacts.onset[touched] = d.step.end - (1.1 if lasting else 0.9) * methods.SUSTAINED_AFTER * 1e-3
-        assert suggests_switch(d) == right
+        assert suggests_switch(d) == expected
 
 
 def test_implicit_steps_do_where_nothing_is_known_and_they_are_not_stiff(pressed):
@@ -238,9 +238,9 @@ def test_explicit_steps_of_a_flight_begin_stable(rng, number):
 
 def test_a_method_changes_after_steps_in_a_row_and_later_the_next_time(pressed):
     d, _ = pressed
-    for done in range(1, MIN_SWITCH_STEPS):
+    for stiff_steps in range(1, MIN_SWITCH_STEPS):
         choose_method(d)
-        assert (d.step.method, d.step.stiff_count) == (EXPLICIT, done)
+        assert (d.step.method, d.step.stiff_count) == (EXPLICIT, stiff_steps)
     choose_method(d)
     assert (d.step.method, d.step.stiff_count) == (IMPLICIT, 0)
     assert d.step.other_method_size == d.step.end
@@ -278,10 +278,7 @@ def test_a_step_of_no_length_does_not_count(pressed):
 
 
 def test_a_chain_without_resistance_is_explicit_if_the_solver_chooses(pressed):
-    """Flights without resisting joints.
-
-    With rigid walls also for a fixed method, unless another contact has a force.
-    """
+    """At rigid walls this holds also if the scene chooses, unless another contact has a force."""
     d, touched = pressed
     mark_touching(d, [])
     d.step.method, d.step.end = IMPLICIT, 1.0

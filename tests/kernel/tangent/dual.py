@@ -28,7 +28,7 @@ class Dual:
         return Dual(number, slope * self.slope)
 
     def replace_slope(self, direction: int, slope: float) -> Dual:
-        return Dual(self.value, [slope if k == direction else one for k, one in enumerate(self.slope)])
+        return Dual(self.value, [slope if k == direction else part for k, part in enumerate(self.slope)])
 
     def has_slope(self) -> bool:
         return bool((self.slope != 0.0).any())

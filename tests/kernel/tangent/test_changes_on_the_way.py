@@ -63,10 +63,10 @@ def test_derivatives_by_a_value_set_while_a_point_is_held_are_right(model, chang
     scene = pressed_arm(model)
     asking = scene.with_values({"outputs.sensitivities": PARAMETERS})
     names = [sensitivity_name(output, name) for name in PARAMETERS for output in OUTPUTS]
-    found = played(asking, script, 0.26, names).reshape(len(PARAMETERS), -1)
-    for slopes, name in zip(found, PARAMETERS, strict=True):
-        right = difference(lambda one: played(one, script, 0.26, OUTPUTS), scene, name)
-        np.testing.assert_allclose(slopes, right, rtol=0, atol=1e-5 * np.abs(right).max())
+    derivatives = played(asking, script, 0.26, names).reshape(len(PARAMETERS), -1)
+    for slopes, name in zip(derivatives, PARAMETERS, strict=True):
+        expected = difference(lambda changed_scene: played(changed_scene, script, 0.26, OUTPUTS), scene, name)
+        np.testing.assert_allclose(slopes, expected, rtol=0, atol=1e-5 * np.abs(expected).max())
 
 
 def falling_link(model):
@@ -107,12 +107,12 @@ def test_derivatives_by_a_value_set_at_an_onset_that_is_due_are_right(model, cha
     looks = [compiled.output_index[name] for name in ("point[1].y", "link[1].angular_velocity")]
     seen = tangents_of(instance)["output"].view(np.float64).reshape(-1, 5)[looks, 1 : 1 + len(names)]
 
-    def plain(one):
-        run = Instance(one)
+    def plain(scene_of_run):
+        run = Instance(scene_of_run)
         rows = through_onset(run, changes, stop)
         outputs = np.frombuffer(run.record["output"].tobytes())
         return np.array([*outputs[looks], rows["onset"][0]])
 
     for k, name in enumerate(names):
-        right = difference(plain, scene, name)
-        np.testing.assert_allclose([*seen[:, k], onsets[0, k]], right, rtol=1e-6, atol=1e-8)
+        expected = difference(plain, scene, name)
+        np.testing.assert_allclose([*seen[:, k], onsets[0, k]], expected, rtol=1e-6, atol=1e-8)

@@ -69,8 +69,10 @@ def test_a_damped_spring_before_and_behind_its_kink():
         for row, time in enumerate(times):
             motion = partial(height_of, time)
             assert values[row, column] == pytest.approx(float(motion(*VALUES)), abs=1e-10)
-            right = [float(mpmath.diff(motion, VALUES, tuple(np.eye(3, dtype=int)[k]))) for k in range(3)]
-            np.testing.assert_allclose(slopes[row, column], right, rtol=1e-8, atol=1e-12, err_msg=f"{time} s")
+            expected = [float(mpmath.diff(motion, VALUES, tuple(np.eye(3, dtype=int)[k]))) for k in range(3)]
+            np.testing.assert_allclose(
+                slopes[row, column], expected, rtol=1e-8, atol=1e-12, err_msg=f"{time} s"
+            )
 
 
 @pytest.mark.parametrize("law", ["kelvin_voigt", "jankowski", "gharib_hurmuzlu"])

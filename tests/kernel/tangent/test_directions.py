@@ -34,9 +34,9 @@ def test_each_real_has_its_derivatives_behind_it_and_nothing_else_changes(links,
     assert [path for path, *_ in dual[: len(plain)]] == [path for path, *_ in plain]
     own = {path[0] for path, *_ in dual[len(plain) :]}
     assert own.isdisjoint(layout.names)
-    for (path, kind, shape), (_, found, other) in zip(plain, dual, strict=False):
+    for (path, kind, shape), (_, kind_of_dual, other) in zip(plain, dual, strict=False):
         assert shape == other, path
-        assert found == (duals.dual_dtype(REAL) if kind == REAL else kind), path
+        assert kind_of_dual == (duals.dual_dtype(REAL) if kind == REAL else kind), path
     reals = sum(int(np.prod(shape)) for _, kind, shape in plain if kind == REAL)
     more = sum(duals.tangent_dtype(layout)[name].itemsize for name in own)
     assert duals.tangent_dtype(layout).itemsize == layout.itemsize + 8 * duals.DIRECTIONS * reals + more
@@ -70,7 +70,7 @@ def test_the_parts_that_apply_then_are_copied_and_no_other():
 
 def test_the_declared_parts_are_those_with_numbers_in_a_new_instance():
     """An undeclared part with parameters would hold numbers before a run begins."""
-    found = set()
+    parts = set()
     mounted = load_scene("pinned_arm").with_values({"inputs.base_motion": True, "initial.x": 0.1})
     push = {"form": "steps", "times": [0.1], "values": [1.0], "input": "base.ay"}
     level = {"form": "constant", "value": 1.0, "input": "base.ax"}
@@ -79,8 +79,8 @@ def test_the_declared_parts_are_those_with_numbers_in_a_new_instance():
         instance = PreparedScene(scene).new_instance()[0]
         for part in PARTS:
             if any(number != 0.0 for number in reals(instance[part])):
-                found.add(part)
-    assert found == set(SETTABLE) == declared(AT_START) | declared(AT_ANY_TIME)
+                parts.add(part)
+    assert parts == set(SETTABLE) == declared(AT_START) | declared(AT_ANY_TIME)
 
 
 def test_every_parameter_with_derivatives_is_in_a_declared_part():

@@ -51,15 +51,15 @@ def test_impacts_are_followed_to_the_communication_point():
     scene = CASE.scene.with_values({"simulation.stop_time": at, "simulation.step_size": at})
     result = simulate(scene, tolerance=1e-12, sensitivities=names)
     assert np.isnan(result.impacts["end"]).tolist() == [True]
-    found = {name: result.impact_sensitivity("peak_force", name)[0] for name in names}
+    derivatives = {name: result.impact_sensitivity("peak_force", name)[0] for name in names}
 
     def peak(values):
         return simulate(scene.with_values(values), tolerance=1e-12).impacts["peak_force"][0]
 
     for name in names:
         value = scene.values[name]
-        right = slope(lambda changed, name=name: peak({name: changed}), value, 1e-4 * value)
-        assert found[name] == pytest.approx(right, rel=1e-6)
+        expected = slope(lambda changed, name=name: peak({name: changed}), value, 1e-4 * value)
+        assert derivatives[name] == pytest.approx(expected, rel=1e-6)
         assert np.isnan(result.impact_sensitivity("end", name)).all()
         assert np.isfinite(result.impact_sensitivity("impact_speed", name)).all()
 
@@ -74,7 +74,7 @@ def test_a_log_that_is_full_is_emptied_on_the_way():
     powers = np.arange(1, len(impacts))
     terms = 2.0 * impacts["impact_speed"][0] / -scene.gravity[1] * powers * e ** (powers - 1.0)
     bounces = 40  # bounces before rest
-    found = result.impact_sensitivity("onset", name)
-    np.testing.assert_allclose(found[1:bounces], np.cumsum(terms)[: bounces - 1], rtol=1e-6)
+    derivatives = result.impact_sensitivity("onset", name)
+    np.testing.assert_allclose(derivatives[1:bounces], np.cumsum(terms)[: bounces - 1], rtol=1e-6)
     often = simulate(scene, sensitivities=name)
-    np.testing.assert_allclose(found, often.impact_sensitivity("onset", name), rtol=1e-9)
+    np.testing.assert_allclose(derivatives, often.impact_sensitivity("onset", name), rtol=1e-9)

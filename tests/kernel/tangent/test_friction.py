@@ -15,27 +15,27 @@ TOLERANCE = 1e-6
 @pytest.fixture
 def t():
     """Return an instance of dual numbers with friction at candidate 1 and in the joint, element 2."""
-    one = SimpleNamespace(candidate_count=2, friction_element_count=3)
-    one.friction = SimpleNamespace(active_count=2)
-    one.friction_element = SimpleNamespace(
+    tangent = SimpleNamespace(candidate_count=2, friction_element_count=3)
+    tangent.friction = SimpleNamespace(active_count=2)
+    tangent.friction_element = SimpleNamespace(
         index=[1, 2, 9], event=[NO_EVENT] * 3, mode=[1] * 3, decided_by_forces=[1] * 3
     )
-    one.friction_element.friction_limit, one.friction_element.force = [dual(9.0)] * 3, [dual(0.0)] * 3
-    one.law = SimpleNamespace(friction=[dual(0.3)] * 2, static_friction=[dual(0.3)] * 2)
-    one.scratch = SimpleNamespace(velocity="velocity", acceleration="acceleration", rate="rate")
-    one.step = SimpleNamespace(start=dual(1.0), end=dual(1.5))
-    one.solver = SimpleNamespace(tolerance=dual(TOLERANCE))
-    one.chain = SimpleNamespace(longest_link=dual(2.0))
-    one.trust = SimpleNamespace(reason=trust.TRUSTED)
-    return one
+    tangent.friction_element.friction_limit, tangent.friction_element.force = [dual(9.0)] * 3, [dual(0.0)] * 3
+    tangent.law = SimpleNamespace(friction=[dual(0.3)] * 2, static_friction=[dual(0.3)] * 2)
+    tangent.scratch = SimpleNamespace(velocity="velocity", acceleration="acceleration", rate="rate")
+    tangent.step = SimpleNamespace(start=dual(1.0), end=dual(1.5))
+    tangent.solver = SimpleNamespace(tolerance=dual(TOLERANCE))
+    tangent.chain = SimpleNamespace(longest_link=dual(2.0))
+    tangent.trust = SimpleNamespace(reason=trust.TRUSTED)
+    return tangent
 
 
 @pytest.fixture
 def ended(monkeypatch):
     """Return the reasons for which derivatives have ended, each with its element."""
-    found = []
-    monkeypatch.setattr(friction, "mark_untrusted", lambda _t, reason, e, time: found.append((reason, e)))
-    return found
+    reasons = []
+    monkeypatch.setattr(friction, "mark_untrusted", lambda _t, reason, e, time: reasons.append((reason, e)))
+    return reasons
 
 
 @pytest.mark.parametrize(
@@ -69,12 +69,12 @@ def test_rest_is_late_by_its_speed_over_its_acceleration(monkeypatch, t, acceler
 
 
 @pytest.mark.parametrize(
-    ("e", "static", "right"), [(1, 0.3, False), (1, 0.31, True), (0, 0.5, True), (2, 0.5, False)]
+    ("e", "static", "expected"), [(1, 0.3, False), (1, 0.31, True), (0, 0.5, True), (2, 0.5, False)]
 )
-def test_the_force_drops_at_contacts_where_sliding_has_less_friction(t, e, static, right):
+def test_the_force_drops_at_contacts_where_sliding_has_less_friction(t, e, static, expected):
     if e < 2:
         t.law.static_friction[e] = dual(static)
-    assert friction.friction_drops(t, e) == right
+    assert friction.friction_drops(t, e) == expected
 
 
 def margin_of(monkeypatch, t, rate):
@@ -139,10 +139,7 @@ def settling(monkeypatch, t, largest):
 
 
 def test_a_speed_is_negligible_as_long_as_all_that_was_left_open_is(monkeypatch, t):
-    """A share of 4e-3 of the largest is negligible twice, not three times.
-
-    2e-2, and shares of zero, are not.
-    """
+    """The sum of neglected slopes, over the largest slope, may be 8e-3, but not 12e-3."""
     settling(monkeypatch, t, (1.0, 0.1))
     small = dual(0.0, 8e-3, 8e-5)
     assert friction.is_negligible(t, small)
@@ -238,7 +235,7 @@ def test_two_that_break_loose_at_one_moment_must_do_so_for_all_parameters(
 
 
 @pytest.mark.parametrize(
-    ("found", "is_open"),
+    ("mode_and_motion", "is_open"),
     [
         ((STICKS, -9.0 * (1.0 - 90.0 * TOLERANCE)), True),
         ((STICKS, -9.0 * (1.0 - 110.0 * TOLERANCE)), False),
@@ -246,13 +243,13 @@ def test_two_that_break_loose_at_one_moment_must_do_so_for_all_parameters(
         ((1, -3.1e-4), False),
     ],
 )
-def test_a_mode_is_open_where_the_limit_is_almost_reached(monkeypatch, t, ended, found, is_open):
+def test_a_mode_is_open_where_the_limit_is_almost_reached(monkeypatch, t, ended, mode_and_motion, is_open):
     """The limit is reached within 100 tolerances of the holding force, or of the acceleration 9 N/3 kg."""
-    mode, known = found
+    mode, motion = mode_and_motion
     monkeypatch.setattr(friction, "mean_mass", lambda _t: dual(3.0))
     monkeypatch.setattr(friction, "friction_round_off", lambda _t, _e: dual(1e-9))
-    monkeypatch.setattr(friction, "tangential_rate", lambda *_: dual(known))
-    monkeypatch.setattr(friction, "tangential_acceleration", lambda *_: dual(known))
+    monkeypatch.setattr(friction, "tangential_rate", lambda *_: dual(motion))
+    monkeypatch.setattr(friction, "tangential_acceleration", lambda *_: dual(motion))
     for name in ("list_sticking", "rate_from_points", "accelerate_points", "clear_sticking_speeds"):
         monkeypatch.setattr(friction, name, lambda *_: None)
     monkeypatch.setattr(friction, "settling_time", lambda _t: 0.5)
@@ -265,7 +262,7 @@ def test_a_mode_is_open_where_the_limit_is_almost_reached(monkeypatch, t, ended,
     )
     t.friction_element.decided_by_forces, t.friction_element.force[1], t.step.state_end = (
         [0, 1, 0],
-        dual(known),
+        dual(motion),
         "state",
     )
     friction.make_modes_consistent(t)

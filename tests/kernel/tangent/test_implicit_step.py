@@ -73,9 +73,9 @@ def test_derivatives_solve_the_equations_of_an_implicit_step(length, tolerance, 
     slopes, instance = slopes_of(hanging(length, tolerance, damping))
     assert instance.statistics["steps"] == instance.statistics["implicit_steps"] == len(slopes)
     step = collocated(length, damping)
-    for k, found in enumerate(slopes):
-        right = np.linalg.matrix_power(step, k + 1)
-        assert np.abs(found - right).max() <= (k + 1) * (tolerance + 1e-12) * np.abs(right).max()
+    for k, derivative in enumerate(slopes):
+        expected = np.linalg.matrix_power(step, k + 1)
+        assert np.abs(derivative - expected).max() <= (k + 1) * (tolerance + 1e-12) * np.abs(expected).max()
     assert instance.limits == ()
 
 
@@ -121,7 +121,7 @@ WAVES = [0.9 * LARGEST_FALL_FACTOR, *PAUSE, 0.8 * LARGEST_FALL_FACTOR**2, *PAUSE
 
 
 @pytest.mark.parametrize(
-    ("corrections", "right"),
+    ("corrections", "expected"),
     [
         ([1.0, 1e-2, 1.01 * FAST, 0.99 * FAST, 0.0], (True, 4)),  # a small part of the tolerance
         ([LARGE] * MOST_SLOPE_ITERATIONS, (False, END)),  # the corrections do not fall any more
@@ -132,8 +132,8 @@ WAVES = [0.9 * LARGEST_FALL_FACTOR, *PAUSE, 0.8 * LARGEST_FALL_FACTOR**2, *PAUSE
         ([1e300 * 0.5**k for k in range(MOST_SLOPE_ITERATIONS)], (False, MOST_SLOPE_ITERATIONS)),
     ],
 )
-def test_an_iteration_ends_at_convergence_or_stagnation(monkeypatch, corrections, right):
-    assert iterated(monkeypatch, corrections) == right
+def test_an_iteration_ends_at_convergence_or_stagnation(monkeypatch, corrections, expected):
+    assert iterated(monkeypatch, corrections) == expected
 
 
 @pytest.mark.parametrize("part", [0.9, 1.1])
@@ -149,8 +149,10 @@ def dual(*slopes):
 def slopes(start, end, parts):
     """Return a two-component step, with these slopes of its start, its last stage and its corrections."""
     none = np.array([[dual(), dual()] for _ in range(RADAU_STAGES)], object)
-    own = SimpleNamespace(z_start=[dual(*one) for one in start], stages=none.copy(), right_hand_sides=none)
-    own.stages[RADAU_STAGES - 1] = [dual(*one) for one in end]
+    own = SimpleNamespace(
+        z_start=[dual(*numbers) for numbers in start], stages=none.copy(), right_hand_sides=none
+    )
+    own.stages[RADAU_STAGES - 1] = [dual(*numbers) for numbers in end]
     for (i, j), part in parts.items():
         own.right_hand_sides[i, j] = dual(*part)
     d = SimpleNamespace(friction=SimpleNamespace(stuck_count=0), step=SimpleNamespace(size=0.1))
@@ -218,7 +220,7 @@ def test_stages_have_the_values_of_the_run_and_their_own_slopes():
     d, t = slopes([(0.0,)] * 2, [(1.0, 2.0), (3.0, 4.0)], {})
     d.implicit.last_stages = np.arange(2.0 * RADAU_STAGES).reshape(RADAU_STAGES, 2)
     replay.copy_stages(d, t, 2)
-    assert [[one.value for one in row] for row in t.implicit.stages] == d.implicit.last_stages.tolist()
+    assert [[number.value for number in row] for row in t.implicit.stages] == d.implicit.last_stages.tolist()
     assert [stage.slope[:2].tolist() for stage in t.implicit.stages[-1]] == [[1.0, 2.0], [3.0, 4.0]]
 
 
@@ -244,8 +246,14 @@ def test_a_step_is_made_of_the_stages_of_the_run(monkeypatch, reason, converges,
     d, called = SimpleNamespace(step=SimpleNamespace(start=1.5)), []
     t = SimpleNamespace(trust=SimpleNamespace(reason=reason), implicit=SimpleNamespace(z_scratch="z"))
     t.trial = SimpleNamespace(state="y")
-    right = ["extend_start", "extrapolate_stages", "copy_stages", "copy_jacobian_data", "factorize_real"]
-    for name in [*right, "set_step_end", "project_clearances"]:
+    expected = [
+        "extend_start",
+        "extrapolate_stages",
+        "copy_stages",
+        "copy_jacobian_data",
+        "factorize_real",
+    ]
+    for name in [*expected, "set_step_end", "project_clearances"]:
         monkeypatch.setattr(replay, name, lambda *_, name=name: called.append(name))
     monkeypatch.setattr(replay, "extended_length", lambda _: 12)
     monkeypatch.setattr(replay, "clearance_count", lambda _: contacts)
@@ -253,6 +261,6 @@ def test_a_step_is_made_of_the_stages_of_the_run(monkeypatch, reason, converges,
     monkeypatch.setattr(replay, "mark_untrusted", lambda _t, *what: called.append(what))
     replay.make_implicit(d, t, 0.1)
     if reason == trust.TRUSTED:
-        right += ["iterate"] if converges else ["iterate", (trust.NOT_CONVERGED, trust.NO_IMPACT, 1.5)]
-    right += ["set_step_end", "project_clearances"] if contacts else ["set_step_end"]
-    assert called == right
+        expected += ["iterate"] if converges else ["iterate", (trust.NOT_CONVERGED, trust.NO_IMPACT, 1.5)]
+    expected += ["set_step_end", "project_clearances"] if contacts else ["set_step_end"]
+    assert called == expected

@@ -76,10 +76,10 @@ def test_values_are_those_of_the_run(name):
         followed(instance, [time])
         for record, fields in SAME.items():
             for field in fields:
-                right, found = d[record][field], t[record][field]
-                found = found["value"] if found.dtype.names else found
-                for block in found:
-                    np.testing.assert_array_equal(block, right, err_msg=f"{record}.{field} at {time} s")
+                expected, result = d[record][field], t[record][field]
+                result = result["value"] if result.dtype.names else result
+                for block in result:
+                    np.testing.assert_array_equal(block, expected, err_msg=f"{record}.{field} at {time} s")
     assert d["impact"]["count"] >= 1
     np.testing.assert_allclose(
         t["output"]["impulse"]["value"][0],
@@ -181,7 +181,7 @@ def test_a_step_is_made_once_more(monkeypatch, calls, last, size, more):
 
 
 @pytest.mark.parametrize(
-    ("regularized", "events", "right"),
+    ("regularized", "events", "expected"),
     [
         *(
             (1, (NO_EVENT, CONTACT_ENDS), True),
@@ -192,8 +192,8 @@ def test_a_step_is_made_once_more(monkeypatch, calls, last, size, more):
         (-1, (CONTACT_ENDS, CONTACT_ENDS), False),
     ],
 )
-def test_a_step_ends_with_its_contact_or_with_another(regularized, events, right):
-    assert replay.ends_regularized(instances(regularized, events)[0]) == right
+def test_a_step_ends_with_its_contact_or_with_another(regularized, events, expected):
+    assert replay.ends_regularized(instances(regularized, events)[0]) == expected
 
 
 @pytest.mark.parametrize(

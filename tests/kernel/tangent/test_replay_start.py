@@ -29,15 +29,14 @@ from tests.kernel.tangent.dual import random_duals, started
 @pytest.mark.parametrize("e", [0.1, 0.5, 0.95])
 @pytest.mark.parametrize("law", FACTORS)
 def test_the_factor_of_a_law_varies_with_the_restitution(law, e):
-    """The test covers every law with a force."""
     assert {*CONTACT_LAWS} - {*FACTORS} == {"newton_impact"}
-    found = complex(FACTORS[law](complex(e, TINY)))
+    factor_of_law = complex(FACTORS[law](complex(e, TINY)))
     case = Case(ball(1e-3, 1.0, restitution=e, **of_law(law)), ("contact.restitution",), ())
     factor = tangents_of(started(case))["law"]["damping_factor"][0, 0]
     # the polynomial of Kuwabara and Kono has 10 digits
     bound = 1e-10 if law == "kuwabara_kono" else 1e-11
-    assert factor["value"] == pytest.approx(found.real, rel=bound, abs=1e-14)
-    assert factor["slope"][0] == pytest.approx(found.imag / TINY, rel=bound, abs=1e-14)
+    assert factor["value"] == pytest.approx(factor_of_law.real, rel=bound, abs=1e-14)
+    assert factor["slope"][0] == pytest.approx(factor_of_law.imag / TINY, rel=bound, abs=1e-14)
 
 
 PARAMETERS = {
@@ -70,7 +69,7 @@ def both():
 
 
 def values(numbers):
-    return np.vectorize(lambda one: one.value, otypes=[float])(numbers)
+    return np.vectorize(lambda number: number.value, otypes=[float])(numbers)
 
 
 def slopes(numbers):
@@ -89,9 +88,9 @@ def test_parameters_are_taken_with_the_derivatives_that_it_has_of_them(both):
     duals.copy_given(d, t, AT_START)
     replay.copy_given_and_modes(d, t)  # reads the walls, whose material may change during a run
     for (record, name), own in before.items():
-        found = getattr(getattr(t, record), name)
-        np.testing.assert_array_equal(values(found), d[record][name], err_msg=name)
-        np.testing.assert_array_equal(slopes(found), own, err_msg=name)
+        field = getattr(getattr(t, record), name)
+        np.testing.assert_array_equal(values(field), d[record][name], err_msg=name)
+        np.testing.assert_array_equal(slopes(field), own, err_msg=name)
     assert t.contact_settings.minimum_impact_speed == d.contact_settings.minimum_impact_speed
     assert t.solver.tolerance == d.solver.tolerance
 
@@ -132,11 +131,11 @@ def test_the_factor_of_a_law_has_its_own_derivatives(both, law):
     duals.copy_given(d, t, AT_START)
     replay.copy_given_and_modes(d, t)
     assert candidate_laws.start_laws(t) == OK
-    right = slope(entry.damping_factor, e, 1e-6)
+    expected = slope(entry.damping_factor, e, 1e-6)
     own = t.law
     factor = own.damping_factor[0]
     assert factor.value == d.law.damping_factor[0]
-    np.testing.assert_allclose(factor.slope, right * own.restitution[0].slope, rtol=1e-7, atol=1e-9)
+    np.testing.assert_allclose(factor.slope, expected * own.restitution[0].slope, rtol=1e-7, atol=1e-9)
     assert (own.rigid[0], own.approach_only[0]) == (entry.rigid, entry.approach_only)
     if entry.rate_exponent is None:
         assert own.rate_exponent[0] is own.exponent[0]
@@ -226,10 +225,10 @@ def test_a_replay_restarts_from_the_end_of_its_step_with_given_values(twins, law
     t.contacts.beyond_kink[4] = 5
     t.step.communication_point = 1.0
     t.step.start_delay = 7.0
-    told = []
-    monkeypatch.setattr(handlers, "recompute_active_set", lambda *arguments: told.append(arguments))
+    calls = []
+    monkeypatch.setattr(handlers, "recompute_active_set", lambda *arguments: calls.append(arguments))
     replay.restart_tangent(d, t)
-    assert told == [(t,)]
+    assert calls == [(t,)]
     assert t.step.communication_point == t.step.start == t.step.end == 2.5
     assert t.step.start_delay == 0.0
     np.testing.assert_array_equal(t.step.state[:-2], y[:-2])

@@ -25,10 +25,10 @@ AMPLITUDE, PHASE = 0.4, 1.0
 LACK = 0.5 * AMPLITUDE * math.sin(PHASE)
 
 
-def shaken(one, scene=ROD, phase=PHASE, start=0.0):
+def shaken(input_name, scene=ROD, phase=PHASE, start=0.0):
     """Return a scene with a sine without a rise that drives one input."""
     numbers = f"amplitude = {AMPLITUDE}\nfrequency = 3.0\nphase = {phase}\nstart = {start}"
-    return parse_scene(f'{scene}\n[signals.drive]\ninput = "{one}"\nform = "sine"\n{numbers}\n', "x")
+    return parse_scene(f'{scene}\n[signals.drive]\ninput = "{input_name}"\nform = "sine"\n{numbers}\n', "x")
 
 
 def by_rise(scene, *outputs):
@@ -47,7 +47,7 @@ def test_a_torque_lacks_half_of_its_jump_during_the_rise():
 
 
 @pytest.mark.parametrize(
-    ("one", "speed", "place"),
+    ("input_name", "speed", "place"),
     [
         ("base.ax", "base.vx", "base.x"),
         ("wall.side.acceleration", "wall.side.velocity", "wall.side.displacement"),
@@ -55,29 +55,29 @@ def test_a_torque_lacks_half_of_its_jump_during_the_rise():
         ("wall.side.belt_speed", None, "wall.side.belt_position"),
     ],
 )
-def test_an_integrated_sine_lacks_half_of_its_jump_during_the_rise(one, speed, place):
-    (places,), run = by_rise(shaken(one), place)
+def test_an_integrated_sine_lacks_half_of_its_jump_during_the_rise(input_name, speed, place):
+    (places,), run = by_rise(shaken(input_name), place)
     lost = -LACK * run.time if speed else np.full(len(run.time), -LACK)
     np.testing.assert_allclose(places[1:], lost[1:], rtol=1e-12)
     if speed:
         np.testing.assert_allclose(run.sensitivity(speed, RISE)[1:], -LACK, rtol=1e-12)
 
 
-@pytest.mark.parametrize("one", [TORQUE, PUSH, "joint[1].target_velocity", "base.ay"])
-def test_the_derivative_is_that_of_a_one_sided_difference(one):
-    scene, output = shaken(one, ARM), "link[2].angle"
-    (found,), _ = by_rise(scene, output)
+@pytest.mark.parametrize("input_name", [TORQUE, PUSH, "joint[1].target_velocity", "base.ay"])
+def test_the_derivative_is_that_of_a_one_sided_difference(input_name):
+    scene, output = shaken(input_name, ARM), "link[2].angle"
+    (derivative,), _ = by_rise(scene, output)
     h = 1e-5
     none, less, more = (
         simulate(scene.with_values({RISE: k * h}), tolerance=1e-12)[output] for k in (0, 1, 2)
     )
-    right = (4.0 * less - 3.0 * none - more) / (2.0 * h)
-    np.testing.assert_allclose(found, right, rtol=0.0, atol=1e-6)
-    assert np.abs(found).max() > 1e-2
+    expected = (4.0 * less - 3.0 * none - more) / (2.0 * h)
+    np.testing.assert_allclose(derivative, expected, rtol=0.0, atol=1e-6)
+    assert np.abs(derivative).max() > 1e-2
 
 
 @pytest.mark.parametrize(
-    ("one", "phase", "start"),
+    ("input_name", "phase", "start"),
     [
         (TORQUE, PHASE, 0.1),  # the value before the start depends on whether there is a rise
         (HEIGHT, 0.0, 0.0),  # the base begins with a speed
@@ -87,9 +87,9 @@ def test_the_derivative_is_that_of_a_one_sided_difference(one):
         (TABLE, -math.pi / 2.0, 0.0),  # the table would meet point 2 on its way
     ],
 )
-def test_a_motion_that_jumps_with_the_rise_has_no_derivative(one, phase, start):
-    arm = ARM.replace("point = [0.0, -0.75]", "point = [0.0, -0.6]") if one == TABLE else ARM
-    (angle, energy), run = by_rise(shaken(one, arm, phase, start), "link[2].angle", "energy.total")
+def test_a_motion_that_jumps_with_the_rise_has_no_derivative(input_name, phase, start):
+    arm = ARM.replace("point = [0.0, -0.75]", "point = [0.0, -0.6]") if input_name == TABLE else ARM
+    (angle, energy), run = by_rise(shaken(input_name, arm, phase, start), "link[2].angle", "energy.total")
     assert np.isnan(angle).all()
     assert np.isnan(energy).all()
     assert np.isnan(run.impact_sensitivity("onset", RISE)).all()
@@ -97,7 +97,7 @@ def test_a_motion_that_jumps_with_the_rise_has_no_derivative(one, phase, start):
 
 
 @pytest.mark.parametrize(
-    ("one", "phase", "start"),
+    ("input_name", "phase", "start"),
     [
         (TORQUE, 0.0, 0.1),
         (TARGET, 0.0, 0.0),
@@ -106,10 +106,10 @@ def test_a_motion_that_jumps_with_the_rise_has_no_derivative(one, phase, start):
         (TORQUE, PHASE, -0.1),
     ],
 )
-def test_without_a_jump_in_the_run_the_derivative_is_zero(one, phase, start):
+def test_without_a_jump_in_the_run_the_derivative_is_zero(input_name, phase, start):
     low = ARM.replace("point = [0.0, -0.75]", "point = [0.0, -1.1]")
-    (found,), run = by_rise(shaken(one, low, phase, start), "link[2].angle")
-    assert (found == 0.0).all()
+    (derivative,), run = by_rise(shaken(input_name, low, phase, start), "link[2].angle")
+    assert (derivative == 0.0).all()
     assert not any(RISE in sentence for sentence in run.sensitivity_limits)
 
 

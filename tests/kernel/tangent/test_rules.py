@@ -47,19 +47,19 @@ def test_the_functions_with_a_rule_are_marked_and_no_others(mark):
 @pytest.mark.parametrize("depth", [1e-9, 2e-3, 0.7])
 def test_a_power_varies_with_both(depth, exponent, varies):
     """Most exponents are constant: then the rule needs no logarithm."""
-    found = rules.power_of_penetration(Dual(depth, DEPTH), Dual(exponent, varies))
-    assert found.value == force_formula.power_of_penetration(depth, exponent)
+    result = rules.power_of_penetration(Dual(depth, DEPTH), Dual(exponent, varies))
+    assert result.value == force_formula.power_of_penetration(depth, exponent)
     by_depth = mpmath.diff(lambda x: mpmath.power(x, exponent), depth, h=1e-9 * depth)
     by_exponent = mpmath.diff(lambda n: mpmath.power(depth, n), exponent)
-    right = float(by_depth) * np.array(DEPTH) + float(by_exponent) * np.array(varies)
-    np.testing.assert_allclose(found.slope, right, rtol=1e-7)
+    expected = float(by_depth) * np.array(DEPTH) + float(by_exponent) * np.array(varies)
+    np.testing.assert_allclose(result.slope, expected, rtol=1e-7)
 
 
 @pytest.mark.parametrize(("exponent", "slope"), [(0.5, 0.0), (1.0, 1.0), (1.5, 0.0)])
 def test_at_no_depth_a_power_is_finite(exponent, slope):
-    found = rules.power_of_penetration(Dual(0.0, DEPTH), Dual(exponent, EXPONENT))
-    assert found.value == 0.0
-    assert found.slope.tolist() == (slope * np.array(DEPTH)).tolist()
+    result = rules.power_of_penetration(Dual(0.0, DEPTH), Dual(exponent, EXPONENT))
+    assert result.value == 0.0
+    assert result.slope.tolist() == (slope * np.array(DEPTH)).tolist()
 
 
 @pytest.mark.parametrize("size", [3.0, 10.0 * kinematics.LARGEST_ANGLE])
@@ -88,20 +88,20 @@ def test_the_force_of_a_user(monkeypatch):
 
     at = (2e-3, 0.8, 1.3, 0.4, 1e6, 1.4, 0.6)
     monkeypatch.setattr(user_law, "force", force)
-    found = rules.user_force(*(Dual(number, np.eye(7)[k]) for k, number in enumerate(at)))
-    assert found.value == force(*at)
+    result = rules.user_force(*(Dual(number, np.eye(7)[k]) for k, number in enumerate(at)))
+    assert result.value == force(*at)
     with mpmath.workdps(30):
-        right = [float(mpmath.diff(force, at, tuple(np.eye(7, dtype=int)[k]))) for k in range(7)]
-    np.testing.assert_allclose(found.slope, right, rtol=1e-9)
+        expected = [float(mpmath.diff(force, at, tuple(np.eye(7, dtype=int)[k]))) for k in range(7)]
+    np.testing.assert_allclose(result.slope, expected, rtol=1e-9)
 
 
 def test_the_force_of_a_user_at_no_depth(monkeypatch):
     monkeypatch.setattr(user_law, "force", lambda depth, *_: 5.0 + math.sqrt(depth))
-    found = rules.user_force(
+    result = rules.user_force(
         Dual(0.0, [1.0]), *(Dual(number, [0.0]) for number in (0.8, 1.0, 1.0, 1.0, 1.5, 0.5))
     )
-    assert found.value == 5.0
-    assert found.slope.tolist() == [0.0]
+    assert result.value == 5.0
+    assert result.slope.tolist() == [0.0]
 
 
 def test_a_constant_of_a_joint_that_is_zero_may_vary():
@@ -142,9 +142,9 @@ def test_the_fraction_of_a_step_varies_with_the_step_and_the_time(regularized):
         return dense_output.fraction_at_time(step_of(changed, regularized), 0.25 + elapsed)
 
     t = step_of(numbers, regularized, lambda number, k: Dual(number, np.eye(numbers.size)[k]))
-    found = rules.fraction_at_time(t, 0.25 + elapsed)
-    assert found.value == pytest.approx(plain(numbers), abs=1e-15)
+    result = rules.fraction_at_time(t, 0.25 + elapsed)
+    assert result.value == pytest.approx(plain(numbers), abs=1e-15)
     steps = 1e-5 * np.eye(numbers.size)
-    right = np.array([(plain(numbers + step) - plain(numbers - step)) / 2e-5 for step in steps])
-    assert np.abs(right).max() > 0.3
-    np.testing.assert_allclose(found.slope, right, atol=1e-8)
+    expected = np.array([(plain(numbers + step) - plain(numbers - step)) / 2e-5 for step in steps])
+    assert np.abs(expected).max() > 0.3
+    np.testing.assert_allclose(result.slope, expected, atol=1e-8)

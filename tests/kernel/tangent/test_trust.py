@@ -239,13 +239,13 @@ def test_the_force_of_a_users_law_may_jump_where_a_point_turns(monkeypatch, rate
 
 
 @pytest.mark.parametrize(
-    ("rising", "falling", "right"),
+    ("rising", "falling", "expected"),
     [
         *((1.0, 1.0, False), (1.0, 1.0 + 2e-6, True), (1.0, 1.0 + 5e-7, False), (0.0, 0.0, False)),
         *((1.0, -1.0, True), (-2.0, -2.0 - 3e-6, True), (-2.0, -2.0 - 1e-6, False)),
     ],
 )
-def test_a_force_jumps_that_differs_beside_rest(monkeypatch, rising, falling, right):
+def test_a_force_jumps_that_differs_beside_rest(monkeypatch, rising, falling, expected):
     asked = []
 
     def uncut_force(_, c, depth, rate, beyond):
@@ -253,16 +253,16 @@ def test_a_force_jumps_that_differs_beside_rest(monkeypatch, rising, falling, ri
         return dual(rising if rate.value > 0.0 else falling), None
 
     monkeypatch.setattr(trust, "uncut_force", uncut_force)
-    assert trust.jumps_at_rest(instance(), 2, 1e-3) == right
+    assert trust.jumps_at_rest(instance(), 2, 1e-3) == expected
     assert asked == [(2, 1e-3, 5e-10, False), (2, 1e-3, -5e-10, False)]
 
 
 def test_derivatives_are_trusted_up_to_the_named_impact():
     t = instance()
     assert trust.is_trusted(t)
-    for time, right in ((TIME + 0.1, True), (TIME, False), (TIME - 0.1, False)):
+    for time, expected in ((TIME + 0.1, True), (TIME, False), (TIME - 0.1, False)):
         trust.mark_untrusted(t, trust.GRAZING, 2, time)
         assert trust_fields(t) == (trust.GRAZING, time, 6, 2)
-        assert trust.is_trusted(t) == right
+        assert trust.is_trusted(t) == expected
     trust.mark_untrusted(t, trust.NOT_CONVERGED, trust.NO_IMPACT, 0.5)
     assert trust_fields(t) == (trust.NOT_CONVERGED, 0.5, trust.NO_IMPACT, 0)
