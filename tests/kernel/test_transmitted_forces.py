@@ -205,7 +205,7 @@ def test_a_peak_is_that_of_a_thousand_times_finer_rows(name):
 
 
 def assert_time_of_peak(result, joint, fine, sizes):
-    """Assert that each row's peak is nearly the largest force of the fine rows around the time of the peak."""
+    """Assert that each row's peak is nearly the largest force of the fine rows around the peak's time."""
     peaks, times = (result[f"joint[{joint}].peak_{quantity}"] for quantity in ("force", "time"))
     for row, peak, time in zip(result.time, peaks, times, strict=True):
         beside = (np.abs(fine.time - time) <= 1.01 * fine.time[1]) & (fine.time <= row + 1e-12)

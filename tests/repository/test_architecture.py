@@ -90,7 +90,6 @@ def numbers(file):
 
 
 def test_no_two_files_define_a_number_of_the_same_name():
-    """A reader who finds the name finds one meaning and one value."""
     counts = Counter(name for file in PACKAGE.rglob("*.py") for name in numbers(file) if name.isupper())
     assert counts
     assert {name for name, count in counts.items() if count > 1} == set()
@@ -184,7 +183,7 @@ def test_no_files_need_each_other_not_even_for_types():
 
 
 def test_no_parts_of_a_folder_need_each_other():
-    """The parts are modules and inner folders, so each folder has an order in which imports go down only."""
+    """Parts are modules and inner folders."""
     folders = defaultdict(lambda: defaultdict(set))
     for name, needed_name in (
         (name, needed_name) for name, file in FILES.items() for needed_name in needs(file)

@@ -109,7 +109,6 @@ def test_both_panels_of_the_errors_of_models_have_the_same_limits(drawing):
     (first, strip, second, _), time = page.axes, "CPU time [ms]"
     assert len({axes.get_ylim() for axes in page.axes}) == 1
     assert [axes.get_xlabel() for axes in (first, second)] == [time] * 2
-    # marks for all tolerances have no CPU time
     assert strip.get_xlabel() == "other K"
     assert not len(strip.get_xticks())
     assert first.get_xlim() != second.get_xlim()

@@ -85,10 +85,10 @@ def unknown(file):
 
 
 def unclear_files(file):
-    """Return the names of files in the texts of a file that do not tell exactly one file of the repository.
+    """Return the names of files in the texts of a file that do not mean exactly one file of the repository.
 
-    A name alone tells the file of this name in the same folder, or else the only one in the package, or else
-    the only one in the repository. A name with folders tells the only file whose path ends so.
+    A name alone means the file of this name in the same folder, or else the only one in the package, or else
+    the only one in the repository. A name with folders means the only file whose path ends so.
     Lines `# Tests:` have paths in the package.
     """
     unclear = set()

@@ -89,7 +89,6 @@ def test_the_smoke_suite_has_every_public_function_and_verb():
 
 
 def test_checks_of_the_smoke_suite_pass_here(tmp_path, monkeypatch):
-    """The fast checks of the suite run here."""
     smoke = loaded("smoke")
     monkeypatch.chdir(tmp_path)
     for check in (

@@ -64,7 +64,7 @@ def test_a_recipe_names_all_places_of_its_example(heading, example):
     word = re.compile(rf"(?<!\w){re.escape(example)}(?!\w)")
     uses = [file for file in SOURCES if word.search(file.read_text(encoding="utf-8"))]
     assert len(uses) > 0 or (ROOT / "models" / example).is_dir()
-    # a folder of the package does not tell the place in it
+    # a folder of the package is no place: the recipe must name the file
     places = [place for place in places_in(RECIPES[heading]) if not (PACKAGE / place).is_dir()]
     assert places
     places += places_in(SECTIONS["After each change"])

@@ -12,7 +12,7 @@ FAR = 100.0  # m, a wall out of reach
 
 
 def instance(law):
-    """Return a free rod whose tip may touch a wall above it."""
+    """Return an instance of a free rod with a contact law, whose tip may touch a wall above it."""
     table = contact_table(points=[1], model=law)
     start = {"position": [0.0, 0.0], "angles": [0.5]}
     return Instance(build("Graze", [{"length": 1.0, "mass": 1.0}], start, {"y_max": FAR}, table))
@@ -45,7 +45,7 @@ def set_motion(record, random, motion):
 
 
 def run(rod, wall, time):
-    """Run to a time [s] with the wall at a height [m]; return how high the tip is [m], and its hits."""
+    """Run to a time [s] with the wall at a height [m]; return the tip's height [m] and its number of hits."""
     rod.record["chain"]["box_wall"][3] = wall
     rod.initialize()
     assert rod.advance(time) == OK

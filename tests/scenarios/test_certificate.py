@@ -90,7 +90,7 @@ def test_a_graze_is_never_proven_away(motion):
         top, height = set_motion(rod.record, random, motion)
         rod.record["chain"]["box_wall"][3] = FAR
         depth = random.choice([-1.0, 1.0]) * 10.0 ** random.uniform(-14.0, -1.0)
-        # the start of each step comes from a run without contact
+        # the steps below are those of a run without contact, which has this error
         error = abs(run(rod, FAR, top)[0] - height)
         rod.record["chain"]["box_wall"][3] = FAR
         rod.initialize()

@@ -69,14 +69,14 @@ def differences(columns, others):
 @needs_interop
 @pytest.mark.parametrize("master", ["libcosim", "ecos"])
 def test_every_master_finds_the_same(runs, master):
-    """Their communication points differ by round-off, and results within the solver's tolerance of 1e-8."""
+    """Communication points of masters differ by round-off, their results by the solver's tolerance, 1e-8."""
     (time, columns), (other_time, others) = runs("native", "fmpy"), runs("native", master)
     assert list(columns) == list(others)
     np.testing.assert_array_equal(time, other_time)
     bounds = {"].x": 1e-9, "].y": 1e-9, ".angle": 1e-9, ".force": 1e-5}  # m, rad, N
     for kind, difference in differences(columns, others).items():
         assert difference < bounds.get(kind, 1e-7), kind
-    # the start, too, which libcosim's observer reports separately
+    # at the start the outputs are equal; libcosim's observer reports the start separately
     assert [values[0] for values in columns.values()] == [values[0] for values in others.values()]
 
 

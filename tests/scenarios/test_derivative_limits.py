@@ -77,7 +77,7 @@ def test_simultaneous_rigid_impacts_have_no_derivative():
 
 @pytest.mark.parametrize("name", ["falling_arm", "rocking_block"])
 def test_slow_impacts_that_are_certain_do_not_end_derivatives(name):
-    """Rigid bounces accumulate twice before rest; and a corner stands on the floor at the start."""
+    """The arm has two accumulations of bounces; the block stands on a corner from the start."""
     mass = ["link[1].mass"]
     assert simulate(name, sensitivities=mass).sensitivity_limits == ()
     comparison = compare(load_scene(name), {}, mass)
@@ -248,7 +248,7 @@ def test_a_joint_friction_that_is_zero(links):
 
 
 def test_derivatives_by_a_zero_that_the_file_gives():
-    """An offset and an armature of 0 beside frictions of 0: two legs fall on the floor."""
+    """Offsets and armatures of 0 have derivatives, frictions of 0 have none."""
     zeros = {"center_of_mass_offset": 0.0, "joint_armature": 0.0, "joint_friction": 0.0}
     scene = table(
         [{"length": 0.5, "mass": 1.0, **zeros}, {"length": 0.4, "mass": 0.7, **zeros}],
@@ -281,7 +281,7 @@ def test_derivatives_by_a_zero_that_the_file_gives():
 @pytest.mark.parametrize("early", [1e-3, 1e-7])
 @pytest.mark.parametrize("name", ["stops on a slope", "swings, static", "two dry joints"])
 def test_a_parameter_changed_before_a_mode_ends_acts_alone(name, early):
-    """The end of the mode, found beyond the communication point, is found once more."""
+    """The solver's step reaches beyond the communication point, so the end of the mode is located twice."""
     case = DRY[name]
     scene = case.scene.with_values({"solver.tolerance": 1e-10, "outputs.sensitivities": ["gravity.y"]})
     nothing = {"joint[2].torque": 1e-15}

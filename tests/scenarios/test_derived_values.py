@@ -73,7 +73,6 @@ def test_a_run_of_a_sweep_is_that_of_the_edited_file(changes):
 
 
 def test_a_run_of_a_sweep_forgets_those_before():
-    """Also values that earlier runs have set return to the values of the row."""
     lengths = [0.45, 0.55, 0.5]
     swept = sweep(finger(), {"link[1].length": lengths}, outputs=["point[3].x"])
     ends = [
@@ -102,10 +101,7 @@ def test_the_command_line_gives_what_the_edited_file_gives(tmp_path, capsys):
     ],
 )
 def test_a_derivative_is_that_of_the_edited_file(name):
-    """The reference: central differences of edited files.
-
-    For a derived value, derivatives of the given value.
-    """
+    """The reference is a central difference of edited files, which give the value, also a derived one."""
     scene, outputs = finger().with_values({"solver.tolerance": 1e-12}), ["point[3].x", "link[2].angle"]
     text, value, step = FINGER + "\n[solver]\ntolerance = 1e-12\n", scene.values[name], 1e-6
     values = {}
@@ -121,7 +117,7 @@ def test_a_derivative_is_that_of_the_edited_file(name):
 
 
 def test_a_derivative_by_the_length_is_the_sum_of_those_with_the_rest_held():
-    """The sum: by the length, ½ times by the centre of mass, and m L/6 times by the inertia."""
+    """A rod has its centre of mass at L/2 and the inertia m L²/12, whose derivatives are ½ and m L/6."""
     given = finger().with_values(finger().values)
     names = ["link[1].length", "link[1].center_of_mass", "link[1].inertia", "link[1].mass"]
     outputs, times = ["point[3].x", "energy.kinetic"], np.linspace(0.0, 0.9, 91)
@@ -138,7 +134,6 @@ def test_a_derivative_by_the_length_is_the_sum_of_those_with_the_rest_held():
 
 
 def test_a_scene_with_all_given_changes_nothing_else():
-    """The file gives all values, with their present values."""
     scene = finger().with_values(finger().values)
     longer = scene.with_values({"link[1].length": 0.55})
     assert longer.values == scene.values | {"link[1].length": 0.55}

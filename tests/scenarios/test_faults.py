@@ -86,7 +86,7 @@ def thrown(seed, count, damping, tolerance):
 
 @pytest.mark.parametrize("seed", range(60))
 def test_no_tolerance_makes_energy_of_damped_joints(seed):
-    """At a loose tolerance positions and speeds of a step differ by millimetres."""
+    """At a loose tolerance the end of a step has errors of millimetres."""
     count, damping, tolerance = [(2, 1.0, 1e-2), (10, 1000.0, 4e-3), (10, 1000.0, 1e-3)][seed % 3]
     result = simulate(thrown(seed, count, damping, tolerance), stop_time=0.6)
     assert balance(result) < 10 * tolerance
@@ -129,7 +129,6 @@ def test_a_point_that_leaves_a_rigid_wall_is_no_impact(restitution, floor):
 
 
 def test_the_search_for_events_counts_as_cost():
-    """The limit permits the evaluations, but not the searches for events in addition."""
     start = {"position": [0.0, 0.6], "angles": [0.3, -0.5, 0.7]}
     scene = chain(3, start, contact={"model": "newton_impact", "restitution": 0.9})
     instance = Instance(scene)

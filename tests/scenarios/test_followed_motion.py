@@ -175,7 +175,6 @@ PROFILES = {
 @pytest.mark.parametrize("name", PROFILES)
 @pytest.mark.parametrize("until", [0.1, 0.37, 0.5])
 def test_profiles_of_machines_whose_acceleration_jumps_are_followed(name, until):
-    """A continuous velocity does not jump at its kinks."""
     signal, course = PROFILES[name]
     scene = load_scene("pinned_arm").with_values({"inputs.base_motion": True})
     inputs = {signal: lambda time: course(min(time / until, 1.0))}

@@ -144,7 +144,7 @@ def test_a_rigid_impact_has_no_duration_no_depth_and_no_peak():
 
 @pytest.mark.parametrize(("tilt", "restitution"), [(0.5, 0.7), (0.5, 0.3), (-1.1, 1.0)])
 def test_a_rods_end_is_struck_as_in_the_textbook(tilt, restitution):
-    """The wall is rigid, or stiff with an error of K^(−2/5), at a cost that does not grow with K."""
+    """The error of a stiff wall falls as K^(−2/5), and its cost does not grow with K."""
     scene, exact = struck_rod(tilt, restitution, 1e8)
     scene = rigid(with_values(scene, {("initial", "velocity"): (0.8, -1.0)}))
     before, after = around_first_impact(scene)
@@ -271,7 +271,7 @@ def test_a_wedged_rod_hits_finitely_often(restitution):
 
 
 def test_neither_method_nor_stiffness_nor_exponent_means_anything():
-    """Nothing is stiff, so the explicit method runs with any method option."""
+    """At rigid walls nothing is stiff, so all steps are explicit for each method option."""
     plain = simulate(default_scene(model=RIGID))
     for method in SOLVER_METHODS:
         result = simulate(default_scene(model=RIGID, stiffness=1.0, exponent=3.0), method=method)

@@ -40,7 +40,7 @@ def integrated(scene, time, method="DOP853"):
 
 
 def reached(result):
-    """Return the same of a result, at its end."""
+    """Return base, angles, rates and dissipated energy at the end of a result."""
     end = result.outputs[-1]
     motion = end["point_position"][0], end["angle"], end["point_velocity"][0], end["angular_velocity"]
     return np.concatenate([*motion, [end["dissipated"]]])
@@ -205,7 +205,7 @@ def test_the_energy_balance_closes_through_impacts(scene, stop_time, impacts, me
     assert method == "implicit" or result.statistics["rhs_evaluations"] < 20_000
 
 
-# --- errors of stiff springs at loose tolerances: no energy from nothing, no loss but by the tolerance ------
+# --- stiff springs at loose tolerances: no gain of energy, and losses in proportion to the tolerance --------
 
 FIFTH, SECONDS = 0.2, 4
 
@@ -226,7 +226,7 @@ def strained(count, stiffness, tolerance, base="free", bend=2.0):
 
 
 def changes(scene, method="auto"):
-    """Return the most that the energy balance has grown and fallen, in parts of its start, and the status."""
+    """Return the largest rise and fall of the energy balance, over its start, and the status of the run."""
     instance = Instance(scene)
     instance.record["solver"]["method"] = 1 + SOLVER_METHODS.index(method)
     instance.initialize()

@@ -52,8 +52,8 @@ INDEPENDENT = {
 }
 # in the independent model two contacts cannot begin at the same time, as at the ends of the rod
 CHANGED = {"sliding_rod": {"initial.angle[1]": -0.43}}
-# bounds until the end for positions [m] and angles [rad], and for their rates: in a contact an error of 1e-8
-# s gives 1e-4 m/s
+# largest errors of positions [m] and angles [rad], and of their rates, which are larger: during a contact an
+# error of 1e-8 s in time is one of 1e-4 m/s
 REGRESSION_ERROR = {
     "arm_at_stop": (1e-8, 1e-6),
     "bouncing_ball": (1e-9, 1e-8),

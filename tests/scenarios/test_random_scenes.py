@@ -245,7 +245,8 @@ def test_the_motion_after_an_impact_is_continuous_as_the_fold_closes():
     np.testing.assert_allclose(speeds, -1.74, atol=0.02)
 
 
-# a pull at the impact, a loss, a position correction that lifts the chain, a passage between two held phases
+# folds with former faults: a pull at an impact, a loss of energy, a correction of positions that lifted the
+# chain, a motion between two phases in which walls hold the chain
 FORMER_FINDINGS = [22, 24, 30, 53, 1445, 2215, 2827, 6792, 12742, 16909]
 
 

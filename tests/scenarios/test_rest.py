@@ -236,7 +236,6 @@ def test_a_second_hit_inside_a_step_is_noticed(stiffness, restitution, onsets, t
     contact = {"stiffness": stiffness, "restitution": restitution}
     links = [{"length": 1.0, "mass": 1.0}]
     scene = build("Drop", links, start, {"y_min": 0.0}, contact, gravity=GRAVITY, stop_time=3.0)
-    # the same impacts as with other methods, law and latch (docs/stability.md)
     assert len(simulate(scene, tolerance=tolerance).impacts) == onsets
 
 

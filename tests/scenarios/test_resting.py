@@ -37,7 +37,6 @@ CHATTERED = {
 
 @pytest.mark.parametrize(("kind", "seed"), [(kind, seed) for kind in CHATTERED for seed in CHATTERED[kind]])
 def test_chains_that_chattered_come_to_rest(kind, seed):
-    """The causes: alternating impacts, joints sticking at stops, landings, places far from the origin."""
     assert run(kind, seed, SHORT).status == OK
 
 
@@ -83,7 +82,6 @@ def test_friction_forces_at_rest_do_not_depend_on_the_tolerance(kind, seed):
 
 @pytest.mark.parametrize("tilt", [1e-4, 3e-4])
 def test_a_chain_that_lies_almost_flat_rests_in_long_steps(tilt):
-    """Friction of three points hardly prevents a motion that the contacts resist; steps were below 15 ms."""
     link = {"length": 0.3, "mass": 0.5}
     table = {
         "name": "Flat",

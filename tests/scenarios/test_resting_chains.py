@@ -31,7 +31,7 @@ def test_chains_that_rest_have_derivatives():
 # In long implicit steps, derivatives of a chain that lies almost flat did not converge (19, 109, 127); an
 # impact slower than contact.minimum_impact_speed ended them (205). Round-off of the rate at the start of
 # explicit steps grew from step to step at rest, although the motion is stable (247, 288). Elements that stop
-# slowly, but far above the errors of the run, were taken to stop at a time without derivatives (491, 599).
+# slowly, but far faster than errors of the run, counted as stopping at a time without derivatives (491, 599).
 ENDED = (19, 109, 127, 205, 247, 288, 491, 599)
 LEFT_OPEN = (473, 491)  # chains in which friction leaves open a part of the derivatives
 

@@ -46,7 +46,7 @@ def fmus(tmp_path_factory):
 
 @pytest.fixture(params=["scene", "FMU"])
 def record(request, fmus):
-    """Simulate the four-link box with settings, as a scene and as an FMU."""
+    """Return a function that simulates the four-link box with settings: as a scene, or as an FMU."""
     if request.param == "scene":
         return lambda settings: simulate(with_settings(load_scene("four_link_box"), settings))
     return lambda settings: record_fmu(fmus["four_link_box"], settings)

@@ -238,7 +238,7 @@ def test_walls_that_no_point_can_reach_are_none():
 
 
 def test_a_slider_with_a_damper_leaves_no_load_behind_in_implicit_flight():
-    """Output rows change no bit of a later impact."""
+    """Output rows evaluate loads; a load that stayed would change the later impact."""
     data = on_slider(
         {"center_of_mass_offset": -0.2},
         {"mass": 0.5, "damping": 0.3, "stiffness": 20.0, "max": 0.3},

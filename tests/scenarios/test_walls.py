@@ -163,7 +163,7 @@ def test_four_walls_at_right_angles_are_a_box(model):
 
 
 def test_a_box_and_slanted_walls_stand_side_by_side():
-    """The existing walls of the box come first."""
+    """Walls of the box come first in the list of walls."""
     changes = {("box",): {"x_max": 3.0}, ("walls",): [{"name": "floor", "point": [9.0, 0.0], "angle": 0.0}]}
     mixed = with_values(default_scene(), changes)
     plain = with_values(default_scene(), {("box",): {"x_max": 3.0, "y_min": 0.0}})

@@ -170,7 +170,7 @@ def exact(scene, angles, impedance, resistance, impulses):
 @pytest.mark.parametrize("stopped", [False, True])
 @pytest.mark.parametrize("count", [2, 4])
 def test_a_light_first_link_that_walls_hold_in_a_corner_keeps_its_digits(count, stopped, ratio):
-    """The error of each coordinate is D/m times round-off, as for heavy links, also beside a stopped joint."""
+    """The error of each coordinate is D/m times round-off, as for heavy links, with and without a stop."""
     links = [
         {"length": 0.5 + 0.1 * i, "mass": 1.0 + 0.3 * i, "center_of_mass": 0.2, "inertia": 0.02 + 0.01 * i}
         for i in range(count)

@@ -278,7 +278,7 @@ def test_a_step_of_no_length_does_not_count(pressed):
 
 
 def test_a_chain_without_resistance_is_explicit_if_the_solver_chooses(pressed):
-    """At rigid walls this holds also if the scene chooses, unless another contact has a force."""
+    """At rigid walls it is so also if the scene sets implicit steps, unless another contact has a force."""
     d, touched = pressed
     mark_touching(d, [])
     d.step.method, d.step.end = IMPLICIT, 1.0
