@@ -112,7 +112,6 @@ def test_an_onset_of_a_faded_rate_is_late_by_a_number(size, slope):
 
 @small
 def test_a_passage_of_faded_values_is_located(size):
-    """The values halve until they vanish; then the bracket is bisected."""
     find = passage.make_passage_search(
         lambda _d, _c, theta: np.float64(size) * (0.3 - theta), lambda _d: 4, 1e-12
     )

@@ -237,7 +237,7 @@ def test_the_outputs_of_stops_are_those_of_their_joints(base, at_max):
 @pytest.mark.parametrize("at_max", [0, 1])
 @pytest.mark.parametrize("base", ["free", "pinned"])
 def test_walls_keep_their_outputs_beside_stops(base, at_max):
-    """The second stop of a joint has none."""
+    """The second stop of a joint has no outputs."""
     _, d = stopped_chain(3, base)
     given = let_stops_act(d, np.random.default_rng(5), at_max)
     stops = stops_of(d)

@@ -194,10 +194,10 @@ def test_a_kept_answer_is_that_of_the_model(name):
     live = differentiate(case.scene, case.parameters, case.times, case.inputs, 1e-12)
     assert live.points.tolist() == kept.points.tolist()
     for kind in ("values", "slopes", "impacts", "impact_slopes"):
-        for key, found_now in getattr(live, kind).items():
+        for key, live_value in getattr(live, kind).items():
             value = getattr(kept, kind)[key]
             scale = np.max(np.abs(value), initial=1e-6, where=np.isfinite(value))
-            np.testing.assert_allclose(found_now, value, rtol=1e-9, atol=1e-9 * scale)
+            np.testing.assert_allclose(live_value, value, rtol=1e-9, atol=1e-9 * scale)
 
 
 @pytest.mark.full("more cases", but=6)
@@ -269,7 +269,9 @@ def test_derivatives_are_those_of_differences(name):
     case = CASES[name]
     model, names, tried = exact(case), state_names(case.scene), case.parameters
     if name in DRY:
-        tried = [output for output in OF_FRICTION if output in case.parameters and case.value(output)]
+        tried = [
+            parameter for parameter in OF_FRICTION if parameter in case.parameters and case.value(parameter)
+        ]
     positive = ("joint_damping", "joint_stiffness", "radius")
     for parameter in tried:
         if parameter.endswith(positive) and case.value(parameter) == 0.0:

@@ -229,7 +229,7 @@ def takes_another_argument(depth):
     ids=["lambda", "partial", "a name that is taken", "an argument"],
 )
 def test_a_function_that_cannot_be_a_law_is_told_why(law, reason):
-    """The folder for the file of the law stays empty."""
+    """The message does not name the folder in which the law would be stored."""
     with pytest.raises(SceneError) as caught:
         with_law(load_scene("rod_drop"), law)
     assert f" {reason}" in str(caught.value)

@@ -134,7 +134,7 @@ def independent(model):
 
 @pytest.mark.parametrize("model", sorted(set(model_names()) - BODIES - DRIVEN - {"kneed_leg", "ur5e"}))
 def test_the_reference_agrees_with_an_independent_integration(model):
-    """Every output except energies is compared. The kneed leg and the UR5e's drives have separate tests."""
+    """Every output except energies is compared. Bodies, drives and the kneed leg have separate tests."""
     scene, rows, exact = independent(model)
     time, columns = reference(model)
     if model in CHANGED:

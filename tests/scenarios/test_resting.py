@@ -56,7 +56,7 @@ def test_friction_at_rest_does_no_work(kind):
 
 @pytest.mark.parametrize(("kind", "seeds"), [("pendulum", (70, 207, 243, 295)), ("rigid_pendulum", (125,))])
 def test_friction_in_a_joint_does_no_work_in_an_hour(kind, seeds):
-    """Steps of a second, each with the same round-off, added up to more than the allowed change."""
+    """Without a correction, the equal round-off of each step of a second adds up to more than is allowed."""
     check_rest([run(kind, seed, LONG) for seed in seeds])
 
 

@@ -68,7 +68,7 @@ def evaluations(seed, tolerance):
 @pytest.mark.full("more cases", but=10)
 @pytest.mark.parametrize("seed", [*range(48), 306, 590, 710, 715, 798, 799, 886, 1082])
 def test_two_decades_of_the_tolerance_cost_a_few_times_as_much(seed):
-    """Beyond the first 48 scenes, some chains lie flat, where several points stick at once."""
+    """In the scenes after the first 48 chains lie flat, and several points stick at once."""
     work = [evaluations(seed, tolerance) for tolerance in TOLERANCES]
     assert work[1] <= DEARER * work[0]
     assert work[2] <= DEARER * work[1]

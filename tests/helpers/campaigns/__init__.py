@@ -6,7 +6,7 @@ The random search:
 - ``oracle``: the checks; ``oracle_energy``, ``oracle_friction`` and ``load_checks`` are parts of it
 - ``folds``: the limits of Newton's law for folds
 
-Campaigns with scenes of their own; all but ``body_derivatives`` are commands:
+Campaigns with scenes of their own; each is a command, except the module with scenes of bodies:
 - ``random_bodies``: bodies, boxes and sliders
 - ``random_derivatives``: derivatives against differences; ``body_derivatives``: its scenes of bodies
 - ``resting``: scenes that come to rest; ``resting_chains``: derivatives of the places where chains rest

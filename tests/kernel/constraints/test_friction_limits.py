@@ -77,7 +77,7 @@ def test_forces_hold_as_much_as_they_can(part, seed, case):
 @pytest.mark.parametrize("total", [0.5, 1.0, 1.5])
 @pytest.mark.parametrize("seed", range(4))
 def test_two_elements_at_one_place_share_a_load(seed, total):
-    """The least sum of squares would exceed the small limit; together both elements hold all."""
+    """Equal forces would exceed the small limit; both elements together hold up to the sum of the limits."""
     chain = Doubled(seed)
     d = chain.d
     d.friction_element.mode[chain.elements] = STICKS

@@ -102,7 +102,7 @@ def test_peaks_are_the_largest_values_on_the_way(size):
     rate = -np.polynomial.polynomial.polyval(size, np.polynomial.polynomial.polyder(TURNING))
     assert d.contacts.penetration_rate[1] == pytest.approx(rate, rel=1e-12)
     there(d, points_of(d, motion.at(size)))
-    # the log keeps larger earlier values
+    # larger earlier peaks stay
     d.contacts.peak_force[1], d.contacts.max_penetration[1] = 1e3, 2e3
     contact_log.update_extremes(d)
     assert (d.contacts.peak_force[1], d.contacts.max_penetration[1]) == (1e3, 2e3)
@@ -325,7 +325,7 @@ def test_a_contact_of_a_stop_is_logged_as_an_angle_and_a_moment():
 @pytest.mark.parametrize("method", ["auto", "implicit"])
 @pytest.mark.parametrize("parts", [(0.46,), (0.3, 0.5, 0.7), (0.48, 0.49, 0.5, 0.51, 0.52)])
 def test_a_restart_inside_of_an_impact_loses_no_peak(method, parts):
-    """The restart comes from an input or the stiffness, set to its present value."""
+    """Values that are given again, although unchanged, cause the restart."""
     scene = with_values(load_scene("four_link_box"), {"solver.method": method, "solver.tolerance": 1e-8})
     first = simulate(scene).impacts[0]
     instance = Instance(scene)

@@ -218,7 +218,7 @@ def test_a_wall_that_becomes_rigid_derives_no_expected_penetration(touching_reco
 
 
 def test_walls_and_stops_may_have_their_own_stiffness(record_and_candidates):
-    """A depth of round-off is harmless; a rigid wall has no depth."""
+    """A depth of round-off is harmless at walls with a force law; rigid walls have no harmless depth."""
     d, (first, *_) = record_and_candidates
     kinds, harmless = list(record_and_candidates[1]), candidate_laws.HARMLESS_DEPTH * SIZE
     d.given.law = NUMBER["hertz"]

@@ -99,7 +99,7 @@ def test_the_coordinates_keep_the_clearances_that_were_integrated(tolerance):
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-4])
 def test_a_restart_inside_an_implicit_step_does_not_kick(tolerance):
-    """A torque set to its present value restarts the solver in the middle of implicit steps."""
+    """Values that are given again, although unchanged, restart the solver in the middle of implicit steps."""
     balance = []
     for restarts in (0, 20):
         instance = touching(tolerance)

@@ -102,8 +102,8 @@ def test_stages_use_earlier_ones_only_and_the_last_stands_at_the_end():
     assert (C <= 1.0 + 1e-14).all()
 
 
-def test_errors_of_all_components_are_controlled():
-    """The errors of the supplied energy and of impulses are not controlled."""
+def test_errors_of_all_components_up_to_the_dissipated_energy_count():
+    """The errors of the supplied energy, of u and of the time do not count."""
     _, d = chain(np.random.default_rng(0), 3)
     errors, stages = [], d.scratch.stage
     for j in range(stages.shape[1]):

@@ -120,7 +120,7 @@ def test_impulses_of_active_contacts_are_integrated_if_they_are_wanted(d):
 
 @pytest.mark.parametrize(("contacts", "joints"), [(2, False), (1, True), (0, True)])
 def test_integrals_of_dry_friction_follow_those_of_contacts(contacts, joints):
-    """The integrals of dry friction follow: one for each contact, and the friction energy."""
+    """They are an impulse of friction for each contact, and the energy of all friction."""
     _, d, _ = rubbing_chain(np.random.default_rng(1), "free", contacts, joints)
     d.quadrature.computed = 1
     quadratures.reset_quadratures(d)

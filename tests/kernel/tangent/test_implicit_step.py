@@ -81,7 +81,7 @@ def test_derivatives_solve_the_equations_of_an_implicit_step(length, tolerance, 
 
 @pytest.mark.parametrize("more", [(), IDLE])
 def test_derivatives_that_an_iteration_does_not_reach_are_not_there(more):
-    """A chain of 0.05 m swings at 3 Hz: derivatives end after the start, and a sentence tells why.
+    """A link of 0.05 m swings at 3 Hz: derivatives end at the start, and a sentence tells why.
 
     Parameters without influence lose their derivatives, too, in each instance of dual numbers.
     """
