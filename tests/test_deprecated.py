@@ -49,8 +49,8 @@ OLDER_NAMES = [
 )
 def test_an_older_name_works_and_warns(make, older, name):
     owner = make()
-    what = rf"^{type(owner).__name__}\.{older} is deprecated, use {name}: version 1\.0 removes {older}\.$"
-    with pytest.warns(DeprecationWarning, match=what) as warned:
+    message = rf"^{type(owner).__name__}\.{older} is deprecated, use {name}: version 1\.0 removes {older}\.$"
+    with pytest.warns(DeprecationWarning, match=message) as warned:
         assert getattr(owner, older) is getattr(owner, name)
     assert warned[0].filename == __file__
 

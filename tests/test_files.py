@@ -46,10 +46,10 @@ def test_a_kernel_that_windows_holds_is_not_removed(monkeypatch):
 
 def test_a_file_appears_only_when_it_is_whole(tmp_path):
     path = tmp_path / "out.txt"
-    with written_atomically(path) as fresh:
-        fresh.write_text("half")
+    with written_atomically(path) as new_file:
+        new_file.write_text("half")
         assert not path.exists()
-        assert fresh.suffix == ".txt"  # matplotlib chooses the format by the suffix
+        assert new_file.suffix == ".txt"  # matplotlib chooses the format by the suffix
     assert path.read_text() == "half"
     assert list(tmp_path.iterdir()) == [path]
 
@@ -58,16 +58,16 @@ def test_a_reader_of_a_replaced_file_goes_on_reading_it(tmp_path):
     path = tmp_path / "out.txt"
     path.write_text("old")
     with path.open() as reader:
-        with written_atomically(path) as fresh:
-            fresh.write_text("new")
+        with written_atomically(path) as new_file:
+            new_file.write_text("new")
         assert reader.read() == "old"
     assert path.read_text() == "new"
 
 
 def test_a_file_has_the_mode_of_any_other(tmp_path):
     (tmp_path / "plain").write_text("")
-    with written_atomically(tmp_path / "whole") as fresh:
-        fresh.write_text("")
+    with written_atomically(tmp_path / "whole") as new_file:
+        new_file.write_text("")
     assert (tmp_path / "whole").stat().st_mode == (tmp_path / "plain").stat().st_mode
 
 
@@ -77,9 +77,9 @@ def test_a_target_that_is_no_plain_file_is_written_in_place(tmp_path):
     target.write_text("old")
     link.symlink_to(target)
     os.mkfifo(pipe)
-    with written_atomically(link) as fresh:
-        fresh.write_text("new")
+    with written_atomically(link) as new_file:
+        new_file.write_text("new")
     assert link.is_symlink()
     assert target.read_text() == "new"
-    with written_atomically(pipe) as fresh:
-        assert fresh == pipe
+    with written_atomically(pipe) as new_file:
+        assert new_file == pipe

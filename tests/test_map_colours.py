@@ -16,9 +16,9 @@ def test_colours_end_before_few_values_that_are_far_off():
     assert colour_ends(np.append(np.ones(50), 3.0)) == (1.0, 3.0)
 
 
-@pytest.mark.parametrize(("least", "most"), [(3, 4), (0, 11), (7, 95), (100, 12_345)])
-def test_counts_share_few_colours_with_limits_between_them(least, most):
-    bins = count_bins(least, most)
-    assert bins[0] < least <= most < bins[-1]
+@pytest.mark.parametrize(("low", "high"), [(3, 4), (0, 11), (7, 95), (100, 12_345)])
+def test_counts_share_few_colours_with_limits_between_them(low, high):
+    bins = count_bins(low, high)
+    assert bins[0] < low <= high < bins[-1]
     assert 2 <= len(bins) - 1 <= 12
     assert {middle % 1.0 for middle in bins} == {0.5}

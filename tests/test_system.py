@@ -40,8 +40,8 @@ def test_a_wheel_needs_the_same_system_as_the_code_in_it():
         assert platform.tag.endswith(f"_{platform.machine}")
         processor, _, oldest = platform.target.partition("-")
         assert platform.fmi3.startswith(f"{processor}-")
-        least = platform.tag.removesuffix(platform.machine)
-        assert re.findall(r"\d+", oldest) == re.findall(r"\d+", least)
+        oldest_system = platform.tag.removesuffix(platform.machine)
+        assert re.findall(r"\d+", oldest) == re.findall(r"\d+", oldest_system)
 
 
 def test_elsewhere_one_sentence_says_what_to_do(monkeypatch, tmp_path):

@@ -26,7 +26,11 @@ TESTS = Path(__file__).parent
 SOURCES = TESTS.parent / "fmu_src" / "chain_impact"
 """The package's sources. An installed package has files of its own beside them."""
 EXTRAS = {
-    extra: [re.match(r"[\w-]+", needed)[0] for needed in all_needed if not needed.startswith("chain-impact")]
+    extra: [
+        re.match(r"[\w-]+", requirement)[0]
+        for requirement in all_needed
+        if not requirement.startswith("chain-impact")
+    ]
     for extra, all_needed in tomllib.loads((TESTS.parent / "pyproject.toml").read_text(encoding="utf-8"))[
         "project"
     ]["optional-dependencies"].items()
@@ -70,10 +74,15 @@ def pytest_addoption(parser):
 @pytest.hookimpl(tryfirst=True)
 def pytest_cmdline_main(config):
     """Use all cores unless the number of processes is given; each process runs one file after the other."""
-    own, worker = config.option, hasattr(config, "workerinput")
-    if config.pluginmanager.hasplugin("xdist") and not worker and own.numprocesses is None and not own.usepdb:
-        own.numprocesses = min(cores(), MOST_WORKERS)
-        own.dist, own.loadscopereorder, own.maxworkerrestart = "loadfile", False, "0"
+    options, worker = config.option, hasattr(config, "workerinput")
+    if (
+        config.pluginmanager.hasplugin("xdist")
+        and not worker
+        and options.numprocesses is None
+        and not options.usepdb
+    ):
+        options.numprocesses = min(cores(), MOST_WORKERS)
+        options.dist, options.loadscopereorder, options.maxworkerrestart = "loadfile", False, "0"
 
 
 def pytest_configure(config):
@@ -135,8 +144,10 @@ def has_quick_tests(file):
 def subjects(file):
     """Return the modules that a file tests: the one of its name, and those of its lines ``# Tests:``."""
     lines = re.findall(r"^# Tests: (.+)$", file.read_text(encoding="utf-8"), re.MULTILINE)
-    own = file.relative_to(TESTS).with_name(file.name.removeprefix("test_")).as_posix()
-    return [name for line in lines for name in line.split(", ")] + [own] * (SOURCES / own).is_file()
+    own_module = file.relative_to(TESTS).with_name(file.name.removeprefix("test_")).as_posix()
+    return [name for line in lines for name in line.split(", ")] + [own_module] * (
+        SOURCES / own_module
+    ).is_file()
 
 
 @cache
@@ -157,26 +168,26 @@ def leave_out(config, items):
         return
     named_items = [argument for argument in config.args if "::" in argument]
     exempted = {}
-    seen, quick, full = defaultdict(list), [], []
+    cases, quick, full = defaultdict(list), [], []
     for item in items:
         mark = item.get_closest_marker("full")
         if mark and not any(is_named(item, name) for name in named_items):
             function = re.sub(r"\[.*", "", item.nodeid)
-            seen[function].append(case := item.nodeid[len(function) + 1 : -1])
+            cases[function].append(case := item.nodeid[len(function) + 1 : -1])
             but = exempt(mark, item)
-            is_quick = len(seen[function]) <= but if isinstance(but, int) else case in but
+            is_quick = len(cases[function]) <= but if isinstance(but, int) else case in but
             (quick if is_quick else full).append(item)
             exempted[function] = {*but} if isinstance(but, list) else set()
         elif config.option.full and item.path.name in not_in_quick_tier():
             full.append(item)
         else:
             quick.append(item)
-    if unknown := [f"{test}[{case}]" for test in exempted for case in exempted[test] - {*seen[test]}]:
-        raise pytest.UsageError(f"no such case: {', '.join(unknown)}")
-    kept, left_out = (full, quick) if config.option.full else (quick, full)
+    if missing_cases := [f"{test}[{case}]" for test in exempted for case in exempted[test] - {*cases[test]}]:
+        raise pytest.UsageError(f"no such case: {', '.join(missing_cases)}")
+    chosen_items, left_out = (full, quick) if config.option.full else (quick, full)
     if left_out:
         config.hook.pytest_deselected(items=left_out)
-        items[:] = kept
+        items[:] = chosen_items
 
 
 def is_named(item, name):

@@ -51,18 +51,26 @@ def imported(file):
             yield "." * node.level + (node.module or "")
 
 
-def others(file, allowed):
+def others(file, allowed_packages):
     """Return the modules that a file imports and that are not in packages ``allowed``."""
     return [
         m
         for m in imported(file)
-        if not any(m == package or m.startswith(f"{package}.") for package in allowed)
+        if not any(m == package or m.startswith(f"{package}.") for package in allowed_packages)
     ]
 
 
 def test_kernel_and_slave_import_only_what_they_may():
-    allowed = ("dataclasses", "fractions", "functools", "math", "numpy", "typing", "chain_impact.kernel")
-    imported = {file: others(file, allowed) for file in (PACKAGE / "kernel").rglob("*.py")}
+    allowed_packages = (
+        "dataclasses",
+        "fractions",
+        "functools",
+        "math",
+        "numpy",
+        "typing",
+        "chain_impact.kernel",
+    )
+    imported = {file: others(file, allowed_packages) for file in (PACKAGE / "kernel").rglob("*.py")}
     imported[SLAVE] = others(SLAVE, (*sys.stdlib_module_names, "pythonfmu"))
     assert {file: modules for file, modules in imported.items() if modules} == {}
 
@@ -78,12 +86,12 @@ def constants(file):
 def numbers(file):
     """Yield the name of each constant of a file that is a number, or a tuple of numbers, without other
     names."""
-    allowed = (ast.Tuple, ast.BinOp, ast.UnaryOp, ast.operator, ast.unaryop, ast.Constant, ast.Load)
+    node_types = (ast.Tuple, ast.BinOp, ast.UnaryOp, ast.operator, ast.unaryop, ast.Constant, ast.Load)
     for node in ast.parse(file.read_text("utf-8")).body:
         if isinstance(node, ast.Assign):
             parts = [*ast.walk(node.value)]
             kinds = {type(part.value) for part in parts if isinstance(part, ast.Constant)}
-            if all(isinstance(part, allowed) for part in parts) and kinds <= {int, float}:
+            if all(isinstance(part, node_types) for part in parts) and kinds <= {int, float}:
                 yield from {
                     name_node.id for name_node in ast.walk(node.targets[0]) if isinstance(name_node, ast.Name)
                 }
@@ -170,8 +178,8 @@ def needs(file):
     for node in nodes(file):
         if isinstance(node, ast.ImportFrom) and node.module:
             for alias in node.names:
-                inner = f"{node.module}.{alias.name}"
-                yield inner if inner in FILES else node.module
+                full_name = f"{node.module}.{alias.name}"
+                yield full_name if full_name in FILES else node.module
 
 
 def test_no_files_need_each_other_not_even_for_types():
@@ -194,8 +202,8 @@ def test_no_parts_of_a_folder_need_each_other():
             parts = (module.split(".")[len(common)] for module in (name, needed_name))
             folders[tuple(common)][next(parts)].add(next(parts))
     assert len(folders) > 30
-    for needed in folders.values():
-        graphlib.TopologicalSorter(needed).prepare()  # raises an error with the cycle
+    for needed_parts in folders.values():
+        graphlib.TopologicalSorter(needed_parts).prepare()  # raises an error with the cycle
 
 
 def test_folders_of_pages_have_no_cycle_and_scripts_a_heading():
@@ -211,8 +219,8 @@ def test_folders_of_pages_have_no_cycle_and_scripts_a_heading():
 def test_docs_import_nothing_of_the_tests_and_benchmarks_only_helpers():
     """Tests of the docs import both; so the arrows go one way. Helpers import no room of the tests."""
     assert {name for name in imports_of("docs/tools") if name.startswith("tests.")} == set()
-    needed = {name for name in imports_of("benchmarks") if name.startswith("tests.")}
-    assert {name for name in needed if not name.startswith("tests.helpers.")} == set()
+    needed_modules = {name for name in imports_of("benchmarks") if name.startswith("tests.")}
+    assert {name for name in needed_modules if not name.startswith("tests.helpers.")} == set()
     assert {
         name for name in imports_of("tests/helpers") if re.match(r"benchmarks|tests\.(?!helpers\b)", name)
     } == set()
@@ -340,8 +348,10 @@ def imported_with(file):
     for module, *names in IMPORT.findall(text):
         for name in re.findall(r"(?:^|,)\s*([\w.]+)", "".join(names)):
             module_names |= {module, f"{module}.{name}"} if module else {name}
-    own = (top / f"{name.replace('.', '/')}.py" for name in [*module_names] for top in (ROOT, PACKAGE.parent))
-    return module_names.union(*(imported_with(module) for module in own if module.is_file()))
+    own_files = (
+        top / f"{name.replace('.', '/')}.py" for name in [*module_names] for top in (ROOT, PACKAGE.parent)
+    )
+    return module_names.union(*(imported_with(module) for module in own_files if module.is_file()))
 
 
 def test_no_public_name_loads_what_draws():
@@ -368,12 +378,14 @@ def test_files_that_import_what_the_quick_tier_lacks_are_named_with_it():
     lacking |= IMPORTING.keys()  # also where they are not installed
     for file in (ROOT / "tests").rglob("test_*.py"):
         imports[file.name] |= {module.partition(".")[0] for module in imported_with(file)} & lacking
-    marked = {name: {module for module in IMPORTING if name in IMPORTING[module]} for name in imports}
+    marked_modules = {name: {module for module in IMPORTING if name in IMPORTING[module]} for name in imports}
     assert {*itertools.chain(*IMPORTING.values())} - imports.keys() == set()
     assert {
-        name: modules - imports[name] for name, modules in marked.items() if modules - imports[name]
+        name: modules - imports[name] for name, modules in marked_modules.items() if modules - imports[name]
     } == {}
-    assert {name for name, modules in imports.items() if modules} == {name for name in marked if marked[name]}
+    assert {name for name, modules in imports.items() if modules} == {
+        name for name in marked_modules if marked_modules[name]
+    }
 
 
 def test_names_of_tests_are_short():
@@ -390,14 +402,14 @@ def test_no_file_imports_from_a_file_of_tests_or_fixtures():
     assert importing_files == []
 
 
-def private(file, own):
+def private(file, of_self):
     """Return the private attributes that a file takes from ``self``, or else from other objects."""
     return {
         node.attr
         for node in nodes(file)
         if isinstance(node, ast.Attribute)
         and re.match(r"_[a-z]", node.attr)
-        and (isinstance(node.value, ast.Name) and node.value.id == "self") == own
+        and (isinstance(node.value, ast.Name) and node.value.id == "self") == of_self
     }
 
 
@@ -424,5 +436,5 @@ GUIDES = [SCENARIOS / "guide.py", HELPERS / "__init__.py", *HELPERS.glob("*/__in
 def test_the_guide_of_a_folder_names_everything_in_it_once(guide):
     page = ast.get_docstring(ast.parse(guide.read_text("utf-8")))
     modules, folders = guide.parent.glob("*.py"), guide.parent.glob("*/__init__.py")
-    inside = {file.stem for file in modules} | {file.parent.name for file in folders}
-    assert sorted(re.findall(r"``(\w+)``", page)) == sorted(inside - {guide.stem})
+    part_names = {file.stem for file in modules} | {file.parent.name for file in folders}
+    assert sorted(re.findall(r"``(\w+)``", page)) == sorted(part_names - {guide.stem})

@@ -40,7 +40,7 @@ def test_a_wrong_name_of_a_benchmark_lists_the_right_ones(name):
     assert process.returncode == 2
     sentence, *listed = process.stderr.splitlines()
     assert "must be" in sentence
-    assert all(given in sentence for given in name)
+    assert all(argument in sentence for argument in name)
     names = {line.split()[0] for line in listed}
     assert "tables" in names
     assert names.isdisjoint({"common", "against_side", "no_benchmark"})
@@ -86,12 +86,12 @@ def test_the_chart_of_friction_tells_factors_of_time_and_error(charts):
         key: next(r for r in results[key] if (r["name"], r["setting"]) == (module.CREEPS, module.SHOWN))
         for key in module.TIMES
     }
-    ours = {key: max(r["error"] for r in results[key] if r["name"] == "ours") for key in module.TIMES}
-    more = sorted(at[key]["error"] / ours[key] for key in module.TIMES)
-    assert more[0] > 10.0, "the errors are not equal"
+    our_errors = {key: max(r["error"] for r in results[key] if r["name"] == "ours") for key in module.TIMES}
+    error_ratios = sorted(at[key]["error"] / our_errors[key] for key in module.TIMES)
+    assert error_ratios[0] > 10.0, "the errors are not equal"
     times = sorted(row["times ours"] for row in at.values())
     assert f"thrown chain: {times[0]:.2g} to {times[1]:.2g} times the CPU time" in text
-    assert f"{more[0]:.2g} to {more[1]:.2g} times the error" in text
+    assert f"{error_ratios[0]:.2g} to {error_ratios[1]:.2g} times the error" in text
     assert "equal error" not in title + text
 
 
@@ -233,17 +233,17 @@ def impacts(charts, tmp_path):
     def invent_impacts(restitution, friction, count=8):
         rng = np.random.default_rng(7)
         arm = np.stack([rng.uniform(-0.01, 0.01, count), rng.uniform(-0.035, -0.025, count)], axis=1)
-        before = rng.uniform([-1.0, -3.0, -20.0], [1.0, -2.0, 20.0], (count, 3))
-        inverse, after = np.diag([1.0, 1.0, module.GYRATION**-2]) / module.MASS, before.copy()
-        for k, (across, up) in enumerate(arm):
-            rows = np.array([[0.0, 1.0, across], [1.0, 0.0, -up]])
-            w, (normal, along) = rows @ inverse @ rows.T, rows @ before[k]
-            strike = Strike(w[0, 0], w[0, 1], w[1, 1], -normal, along, friction)
+        velocities = rng.uniform([-1.0, -3.0, -20.0], [1.0, -2.0, 20.0], (count, 3))
+        inverse, end_velocities = np.diag([1.0, 1.0, module.GYRATION**-2]) / module.MASS, velocities.copy()
+        for k, (arm_x, arm_y) in enumerate(arm):
+            rows = np.array([[0.0, 1.0, arm_x], [1.0, 0.0, -arm_y]])
+            w, (normal, slip_speed) = rows @ inverse @ rows.T, rows @ velocities[k]
+            strike = Strike(w[0, 0], w[0, 1], w[1, 1], -normal, slip_speed, friction)
             end = stiff_limit(strike, exact_damping_factor(restitution))
-            after[k] += inverse @ rows.T @ [end.normal, end.tangential]
+            end_velocities[k] += inverse @ rows.T @ [end.normal, end.tangential]
         states = {
             f"states_{name}": np.hstack([0.0 * v, v * [-1, 1, 1]])
-            for name, v in (("i", before), ("f", after))
+            for name, v in (("i", velocities), ("f", end_velocities))
         }
         ones = np.ones(count)
         places = {

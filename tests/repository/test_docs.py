@@ -50,10 +50,10 @@ class Block(NamedTuple):
 
 
 def fenced(page):
-    matches = re.finditer(
+    blocks = re.finditer(
         r"^```(\w*)(?: title=\"([^\"\n]*)\")?\n(.*?)^```$", page.read_text(encoding="utf-8"), re.M | re.S
     )
-    return [Block(block[1], block[2] or "", block[3].rstrip("\n")) for block in matches]
+    return [Block(block[1], block[2] or "", block[3].rstrip("\n")) for block in blocks]
 
 
 def blocks(page, language):
@@ -98,7 +98,7 @@ def test_all_pages_together_have_at_most_29000_words():
 
 
 def test_commands_parse_links_lead_to_files_and_tables_are_up_to_date():
-    wrong, count = [], 0
+    faults, count = [], 0
     for page in PAGES:
         text = page.read_text(encoding="utf-8")
         for arguments in commands(page):
@@ -106,18 +106,18 @@ def test_commands_parse_links_lead_to_files_and_tables_are_up_to_date():
             count += 1
         links = re.findall(r"\]\(([^)#:]*)(?:#([^)]*))?\)", text)
         files = {target: page.parent / target for target, _ in links if target}
-        wrong += [
+        faults += [
             (page.name, anchor)
             for target, anchor in links
             if anchor and anchor not in anchors(files.get(target, page))
         ]
-        wrong += [
+        faults += [
             (page.name, target) for target, file in files.items() if not (file.exists() or file in MADE_PAGES)
         ]
-        wrong += [(page.name, command) for command in others(page) if not is_known(command)]
+        faults += [(page.name, command) for command in others(page) if not is_known(command)]
         if page in DOCS and text != generate.filled(text):
-            wrong.append((page.name, "run: python -m docs.tools.generate"))
-    assert wrong == []
+            faults.append((page.name, "run: python -m docs.tools.generate"))
+    assert faults == []
     assert count > 10
     names = {block[1] for page in DOCS for block in generate.BLOCK.finditer(page.read_text(encoding="utf-8"))}
     assert names == generate.TABLES.keys()

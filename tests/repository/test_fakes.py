@@ -20,7 +20,7 @@ def test_a_fake_with_other_arguments_is_refused(monkeypatch):
 
 @pytest.mark.parametrize("target", [(kernels, "kernel_for"), ("chain_impact.simulation.kernels.kernel_for",)])
 def test_a_fake_refuses_a_call_that_the_function_refuses(monkeypatch, target):
-    monkeypatch.setattr(*target, lambda scene, **more: (scene, more))
+    monkeypatch.setattr(*target, lambda scene, **options: (scene, options))
     assert kernels.kernel_for(1, derivatives=0, scope=None) == (1, {"derivatives": 0, "scope": None})
     for _ in range(2):
         with pytest.raises(TypeError, match=r"kernel_for.* got an unexpected keyword argument 'sizes'"):

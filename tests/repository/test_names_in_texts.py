@@ -93,9 +93,9 @@ def unclear_files(file):
     """
     unclear = set()
     for end in FILE_NAME.findall(re.sub("# Tests:.*", "", "\n".join(read(file)[0]))):
-        matches = [matching_file for matching_file in FILES if matching_file.as_posix().endswith(f"/{end}")]
-        in_package = [matching_file for matching_file in matches if matching_file.is_relative_to(PACKAGE)]
-        if file.parent / end not in matches and 1 not in (len(matches), len(in_package)):
+        matching = [matching_file for matching_file in FILES if matching_file.as_posix().endswith(f"/{end}")]
+        in_package = [matching_file for matching_file in matching if matching_file.is_relative_to(PACKAGE)]
+        if file.parent / end not in matching and 1 not in (len(matching), len(in_package)):
             unclear.add(end)
     return sorted(unclear)
 

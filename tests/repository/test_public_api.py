@@ -75,10 +75,10 @@ def names():
     yield from (f"scene key: {key}" for key, entry in scene_keys())
     yield from (f"contact law: {law.number} {law.id}" for law in CONTACT_LAWS.values())
     yield from command_line()
-    driven = load_scene("pinned_arm").with_values(DRIVES)
+    driven_arm = load_scene("pinned_arm").with_values(DRIVES)
     cart = scene_from_dict(BODIES, "cart")
     following = cart.with_values({"inputs.joint_targets": True})
-    for scene in (*map(load_scene, model_names()), driven, cart, following):
+    for scene in (*map(load_scene, model_names()), driven_arm, cart, following):
         kinds = {re.sub(r"\[\d+\]", "[i]", variable.name) for variable in PreparedScene(scene).variables}
         yield from (f"FMU variable: {kind}" for kind in kinds)
 

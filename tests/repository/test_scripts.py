@@ -10,7 +10,7 @@ from benchmarks import peers
 
 ROOT = Path(__file__).parents[2]
 FOLDERS = (".", ".ci", "benchmarks", "benchmarks/peers", "docs/tools", "models/*", "packaging")
-OURS = ("benchmarks", "chain_impact", "docs", "tests")
+OUR_PACKAGES = ("benchmarks", "chain_impact", "docs", "tests")
 SCRIPTS = sorted(file for folder in FOLDERS for file in ROOT.glob(f"{folder}/*.py"))
 
 
@@ -41,7 +41,7 @@ def test_names_that_scripts_import_from_this_repository_exist():
         (file.name, node.module, alias.name)
         for file, tree in trees
         for node in tree
-        if isinstance(node, ast.ImportFrom) and node.module.partition(".")[0] in OURS
+        if isinstance(node, ast.ImportFrom) and node.module.partition(".")[0] in OUR_PACKAGES
         if id(node) not in older
         for alias in node.names
     }

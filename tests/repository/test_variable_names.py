@@ -84,7 +84,8 @@ body_model chain_friction chain_model chain_parts complex_laws derivatives probl
 SAY_NOTHING = "done found known one right said told truth"
 """Alone, none of them says what a variable holds: a value is a ``result``, its known value ``expected``."""
 WITHOUT_ADJECTIVES = (
-    "benchmarks docs/tools tests/conversion tests/pictures tests/recording tests/results tests/studies"
+    "benchmarks docs/tools tests/*.py tests/conversion tests/pictures tests/recording tests/repository "
+    "tests/results tests/studies"
 )
 """Rooms in which no variable is one of ADJECTIVES, either, except ``expected`` and the fixture ``here``."""
 
@@ -257,11 +258,11 @@ def test_words_of_the_kernel_have_no_other_meaning(room):
     misnamed = set()
     for file in (PACKAGE / room).rglob("*.py"):
         path, names = file.relative_to(PACKAGE).as_posix(), all_names(file)
-        for word, allowed in KERNEL_WORDS.items():
+        for word, pattern in KERNEL_WORDS.items():
             if word != "words" or not path.startswith(MEMORY):
                 misnamed |= {
                     (path, name)
                     for name in names
-                    if word in name.lower().split("_") and not re.fullmatch(allowed, name)
+                    if word in name.lower().split("_") and not re.fullmatch(pattern, name)
                 }
     assert misnamed - {("scene/errors.py", "place"), ("simulation/errors.py", "place")} == set()

@@ -58,7 +58,7 @@ def test_each_python_that_is_promised_is_tried():
     )
     promised = {head[1] for head in heads if head}
     matrix = read("tests")["jobs"]["quick"]["strategy"]["matrix"]
-    assert {*matrix["python"], *(more["python"] for more in matrix["include"])} == promised
+    assert {*matrix["python"], *(entry["python"] for entry in matrix["include"])} == promised
     wheel = (ROOT / ".ci" / "check_wheel.py").read_text(encoding="utf-8")
     assert set(re.findall(r"\"python(3\.\d+)\"", wheel)) == promised
 

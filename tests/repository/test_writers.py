@@ -81,8 +81,8 @@ def writers():
         for function in ast.walk(ast.parse((KERNEL / module).read_text(encoding="utf-8"))):
             if isinstance(function, ast.FunctionDef):
                 for instance, part, field in writes(function):
-                    own = tangent if module.startswith("tangent/") else ordinary
-                    own[f"{part}.{field}"].add((instance, module))
+                    writers_of_fields = tangent if module.startswith("tangent/") else ordinary
+                    writers_of_fields[f"{part}.{field}"].add((instance, module))
     return ordinary, tangent
 
 
@@ -123,8 +123,11 @@ def test_every_declared_writer_writes_its_fields(writers):
                 f"{part}.{field_name}"
                 for field_name in ([field] if field else set(field_names) - set(WRITERS[part]))
             }
-            own = [modules for name, modules in ordinary.items() if name in names]
-            assert set(declared) <= {module for modules in own for _, module in modules}, (part, field)
+            writers_of_names = [modules for name, modules in ordinary.items() if name in names]
+            assert set(declared) <= {module for modules in writers_of_names for _, module in modules}, (
+                part,
+                field,
+            )
 
 
 def test_derivatives_change_nothing_in_the_run_itself(writers):
