@@ -110,16 +110,16 @@ def test_rows_are_the_outputs_at_their_times(monkeypatch):
     d, output = Runs().d, np.zeros(3)
     initialize(d, 0.0)
     times, rows = np.array([0.0, 0.01, 0.02]), np.full((3, 3), -1.0)
-    seen = []
+    times_seen = []
 
     def look(d):
-        output[:] = d.step.communication_point, len(seen), 7.0
-        seen.append(d.step.communication_point)
+        output[:] = d.step.communication_point, len(times_seen), 7.0
+        times_seen.append(d.step.communication_point)
 
     monkeypatch.setattr(entry, "observe", look)
     assert trajectory(d, output, times, np.array([[0, 2], [2, 1]]), rows, 0) == 3
     assert rows.tolist() == [[time, k, 7.0] for k, time in enumerate(times)]
-    assert seen == times.tolist()
+    assert times_seen == times.tolist()
 
 
 def test_rows_end_where_the_solver_does():
@@ -151,7 +151,7 @@ def test_a_set_value_is_tried_until_a_step_takes_it():
     before = float(d.output.total)
     for value, status in ((-1.0, PARAMETER_OUT_OF_RANGE), (2e4, OK)):
         d.given.stiffness, d.given.pending = value, 1
-        tried = Plain(runs.block.copy()[0])
-        assert observe_now(tried) == status
-        assert tried.output.total == before
+        copied_record = Plain(runs.block.copy()[0])
+        assert observe_now(copied_record) == status
+        assert copied_record.output.total == before
     assert advance(d, 2e-4, UNLIMITED, UNLIMITED) == OK

@@ -178,13 +178,13 @@ def test_an_observation_counts_no_cost(theta):
 
 
 def test_a_holding_force_is_seen_as_long_as_it_pushes():
-    for force, shown in ((2.5, 2.5), (-2.5, 0.0)):
+    for force, expected in ((2.5, 2.5), (-2.5, 0.0)):
         d, c, _ = held_tip(0.2, [force])
         d.step.communication_point = 0.1
         d.quadrature.count, d.quadrature.integral[c] = 0, 6.0
         before = d.budget.other_cost
         fill_outputs(d)
-        assert d.output.force[c] == pytest.approx(shown, rel=1e-9)
+        assert d.output.force[c] == pytest.approx(expected, rel=1e-9)
         assert d.output.penetration[c] == d.output.penetration_rate[c] == 0.0
         assert d.output.impulse[c] == 6.0
         assert d.budget.other_cost == before

@@ -36,8 +36,8 @@ class Trials:
         monkeypatch.setattr(loop, "find_event", lambda _: -1.0)
         monkeypatch.setattr(loop, "check_energy", lambda *_: (0.0, 0.0))
 
-    def note(self, what):
-        return lambda *_: self.noted.append(what)
+    def note(self, call):
+        return lambda *_: self.noted.append(call)
 
     def attempt(self, d, h):
         self.sizes.append(h)

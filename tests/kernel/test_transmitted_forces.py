@@ -320,11 +320,11 @@ def test_derivatives_are_those_of_differences(name, output):
 
 def test_the_time_of_a_peak_has_the_derivative_of_differences_or_none():
     scene = loaded("driven, stops", **{"solver.tolerance": 1e-11})
-    asked = {"stop_time": 0.6, "output_step": 0.02, "inputs": PUSHED}
-    result = simulate(scene, sensitivities=["link[4].mass"], **asked)
+    options = {"stop_time": 0.6, "output_step": 0.02, "inputs": PUSHED}
+    result = simulate(scene, sensitivities=["link[4].mass"], **options)
 
     def changed(number):
-        return simulate(scene.with_values({"link[4].mass": number}), **asked)["joint[4].peak_time"]
+        return simulate(scene.with_values({"link[4].mass": number}), **options)["joint[4].peak_time"]
 
     derivatives, expected = (
         result.sensitivity("joint[4].peak_time", "link[4].mass"),
@@ -357,12 +357,12 @@ def test_the_time_of_a_peak_has_the_derivative_of_differences_or_none():
 def test_derivatives_of_a_walls_load_equal_differences(name, wall, parameter, stop):
     scene, change = loaded(name, **{"solver.tolerance": 1e-11}), 1e-5
     value, inputs = scene.values[parameter], PUSHED if scene.inputs.tip_force else {}
-    asked = {"stop_time": stop, "output_step": 1e-4, "inputs": inputs}
-    result = simulate(scene, sensitivities=[parameter], **asked)
+    options = {"stop_time": stop, "output_step": 1e-4, "inputs": inputs}
+    result = simulate(scene, sensitivities=[parameter], **options)
     names = [f"wall.{wall}.load.x", f"wall.{wall}.load.y", f"wall.{wall}.load_moment"]
 
     def changed(number):
-        varied = simulate(scene.with_values({parameter: number}), **asked)
+        varied = simulate(scene.with_values({parameter: number}), **options)
         return np.array([varied[name] for name in names])
 
     assert sum(result[output].any() for output in names) == (2 if name == "box" else 3)

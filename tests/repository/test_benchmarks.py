@@ -83,7 +83,9 @@ def test_the_chart_of_friction_tells_factors_of_time_and_error(charts):
     module, results = charts("friction"), stored("friction")["results"]
     title, text = module.headline(results)
     at = {
-        key: next(r for r in results[key] if (r["name"], r["setting"]) == (module.CREEPS, module.SHOWN))
+        key: next(
+            r for r in results[key] if (r["name"], r["setting"]) == (module.CREEPS, module.HEADLINE_STEP)
+        )
         for key in module.TIMES
     }
     our_errors = {key: max(r["error"] for r in results[key] if r["name"] == "ours") for key in module.TIMES}
@@ -149,7 +151,7 @@ def test_the_title_of_the_speeds_has_one_contender_at_one_tolerance(charts, draw
     times = [
         row["times as long"]
         for row in record["results"]["at equal error"]
-        if row["setting"] == module.TOLD_AT
+        if row["setting"] == module.HEADLINE_TOLERANCE
     ]
     factors = {name: [row[name] for row in times if name in row] for name in module.LOOKS}
     assert [low, high] == pytest.approx([min(factors[module.PEER]), max(factors[module.PEER])], rel=0.05)

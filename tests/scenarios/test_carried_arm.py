@@ -75,9 +75,9 @@ def test_no_impulse_is_lost_between_communication_points(usual):
 
 @needs_interop
 def test_another_master_has_the_same_results(usual, tmp_path):
-    ours, _ = usual
+    own_columns, _ = usual
     for master in ("libcosim", "ecos"):
         theirs = co_simulated("carried_arm", tmp_path, "--master", master)
         for name in ("base.x", "link[2].angle", "joint[1].impulse.x"):
-            what = f"{name} with {master}"
-            np.testing.assert_allclose(theirs[name], ours[name], rtol=0, atol=1e-6, err_msg=what)
+            message = f"{name} with {master}"
+            np.testing.assert_allclose(theirs[name], own_columns[name], rtol=0, atol=1e-6, err_msg=message)

@@ -267,13 +267,13 @@ def test_derivatives_of_forces_impulses_and_energy_of_friction(name):
 def test_derivatives_are_those_of_differences(name):
     """Besides complex steps: differences of whole runs with other values."""
     case = CASES[name]
-    model, names, tried = exact(case), state_names(case.scene), case.parameters
+    model, names, parameters = exact(case), state_names(case.scene), case.parameters
     if name in DRY:
-        tried = [
+        parameters = [
             parameter for parameter in OF_FRICTION if parameter in case.parameters and case.value(parameter)
         ]
     positive = ("joint_damping", "joint_stiffness", "radius")
-    for parameter in tried:
+    for parameter in parameters:
         if parameter.endswith(positive) and case.value(parameter) == 0.0:
             continue  # the value cannot be negative
         k, by_state = case.parameters.index(parameter), differences(case, parameter)[0]
@@ -302,11 +302,11 @@ BOUNDS = {
 
 @pytest.mark.full("more cases", but=8)
 @pytest.mark.parametrize("name", BOUNDS)
-@pytest.mark.parametrize("which", range(len(TOLERANCES)))
-def test_derivatives_follow_the_tolerance(name, which):
+@pytest.mark.parametrize("tolerance_number", range(len(TOLERANCES)))
+def test_derivatives_follow_the_tolerance(name, tolerance_number):
     case = CASES[name]
-    errors, _ = state_errors(case, kernel_derivatives(case, TOLERANCES[which]))
-    assert (errors.max(0) <= BOUNDS[name][which]).all(), worst(errors.max(0), case.parameters)
+    errors, _ = state_errors(case, kernel_derivatives(case, TOLERANCES[tolerance_number]))
+    assert (errors.max(0) <= BOUNDS[name][tolerance_number]).all(), worst(errors.max(0), case.parameters)
 
 
 @pytest.mark.parametrize("tolerance", TOLERANCES)

@@ -108,12 +108,12 @@ def test_a_derivative_is_that_of_the_edited_file(name):
     for sign in (1, -1):
         result = simulate(edited(text, {name: value + sign * step}))
         values[sign] = np.array([result.columns[output] for output in outputs])
-    wanted = (values[1] - values[-1]) / (2.0 * step)
+    expected = (values[1] - values[-1]) / (2.0 * step)
     run = DifferentiatedRun(scene, [name], outputs).run(np.array([value]), result.time)
     slopes, until = run.slopes[:, :, 0].T, result.time < 0.12
-    size = np.abs(wanted[:, until]).max(axis=1)
+    size = np.abs(expected[:, until]).max(axis=1)
     assert (size > 0.0).all()
-    assert (np.abs(slopes - wanted)[:, until].max(axis=1) < 1e-5 * size).all()
+    assert (np.abs(slopes - expected)[:, until].max(axis=1) < 1e-5 * size).all()
 
 
 def test_a_derivative_by_the_length_is_the_sum_of_those_with_the_rest_held():
@@ -170,12 +170,12 @@ def test_random_scenes_have_the_record_of_the_edited_file(kind):
             number, key = name.removeprefix("link[").split("].")
             edited_data["chain"]["links"][int(number) - 1][key] = value
         try:
-            before, wanted = (scene_from_dict(contents, "Random") for contents in (data, edited_data))
+            before, edited_scene = (scene_from_dict(contents, "Random") for contents in (data, edited_data))
         except SceneError:  # a longer link may start in a wall, and a point mass may rotate freely
             continue
-        assert before.with_values(changes) == wanted
+        assert before.with_values(changes) == edited_scene
         prepared = PreparedScene(before)
-        here, there = prepared.new_instance(), PreparedScene(wanted).new_instance()
+        here, there = prepared.new_instance(), PreparedScene(edited_scene).new_instance()
         for variable in prepared.parameters:
             if variable.name in changes:
                 here.view(np.float64)[prepared.table_row(variable).set_word] = changes[variable.name]

@@ -420,11 +420,11 @@ def test_friction_that_is_set_to_zero_during_a_contact_acts_in_no_joint():
         gravity=GRAVITY,
         outputs={"loads": True},
     )
-    chain, seen = Chain(scene_from_dict(table, "friction")), []
+    chain, forces = Chain(scene_from_dict(table, "friction")), []
     chain.step_to(0.249)  # s, just before the contact
     while not len(chain.impacts) or np.isnan(chain.impacts["end"][0]):
         chain.step(3e-5)
-        seen.append(math.hypot(*chain.get(["joint[2].force.x", "joint[2].force.y"])))
+        forces.append(math.hypot(*chain.get(["joint[2].force.x", "joint[2].force.y"])))
         if chain.time >= 0.255:
             chain.set({"contact.friction": 0.0, "contact.static_friction": 0.0})
-    assert chain.impacts["joint_force"][0] == pytest.approx(max(seen), rel=1e-4)
+    assert chain.impacts["joint_force"][0] == pytest.approx(max(forces), rel=1e-4)

@@ -174,9 +174,9 @@ def test_a_fast_target_is_followed_at_a_drives_limit(method):
     }
     scene = chain_with_drives([link], {"angles": [0.0]}, **FOLLOWS, signals={"swing": swing})
     result = simulate(scene, stop_time=1.0, output_step=1e-3, method=method, tolerance=1e-7)
-    wanted = stiffness * (result["joint[1].target_angle"] - result["joint[1].angle"])
+    spring_torque = stiffness * (result["joint[1].target_angle"] - result["joint[1].angle"])
     torque = INERTIA * result["link[1].angular_acceleration"]
-    np.testing.assert_allclose(torque, np.clip(wanted, -limit, limit), rtol=0, atol=1e-5)
+    np.testing.assert_allclose(torque, np.clip(spring_torque, -limit, limit), rtol=0, atol=1e-5)
 
 
 def test_a_limit_of_zero_is_no_drive():

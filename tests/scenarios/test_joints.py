@@ -157,13 +157,13 @@ def test_springs_that_are_taken_away_leave_nothing_behind():
     """An instance restarted without its springs moves like an instance without springs."""
     with_springs = stiffened(0.0, 1e3)
     without = with_values(with_springs, {("chain", "links", i, "joint_stiffness"): 0.0 for i in range(2)})
-    used, fresh = Instance(with_springs), Instance(without)
+    used, new_instance = Instance(with_springs), Instance(without)
     used.advance(0.1)
     used.record["given"]["drive_stiffness"] = 0.0
     used.initialize()
-    for chain in (used, fresh):
+    for chain in (used, new_instance):
         chain.advance(0.2)
-    np.testing.assert_array_equal(used.record["step"]["state_end"], fresh.record["step"]["state_end"])
+    np.testing.assert_array_equal(used.record["step"]["state_end"], new_instance.record["step"]["state_end"])
 
 
 @pytest.mark.full("takes long")
@@ -231,15 +231,15 @@ def changes(scene, method="auto"):
     instance.record["solver"]["method"] = 1 + SOLVER_METHODS.index(method)
     instance.initialize()
     instance.observe()
-    output, seen = instance.record["output"], [0.0]
+    output, balances = instance.record["output"], [0.0]
     start = float(output["total"])
     for second in range(1, SECONDS + 1):
         status = instance.advance(float(second))
         instance.observe()
-        seen.append(float(output["total"] + output["dissipated"]) - start)
+        balances.append(float(output["total"] + output["dissipated"]) - start)
         if status != OK:
             break
-    return max(seen) / start, -min(seen) / start, status
+    return max(balances) / start, -min(balances) / start, status
 
 
 @pytest.mark.full("more cases", but=7)

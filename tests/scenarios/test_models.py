@@ -156,11 +156,13 @@ def test_the_reference_agrees_with_an_independent_integration(model):
 def test_a_simulation_with_the_default_tolerance_agrees_with_the_reference(model):
     scene = load_scene(model)
     time, columns = reference(model)
-    fresh = simulate(scene, output_step=STEPS.get(model, STEP), inputs=inputs_of(model))
-    assert fresh.continuous_columns.keys() >= columns.keys(), "newer outputs may be missing in the reference"
-    assert fresh.time == pytest.approx(time, abs=1e-12)
+    result_now = simulate(scene, output_step=STEPS.get(model, STEP), inputs=inputs_of(model))
+    assert result_now.continuous_columns.keys() >= columns.keys(), (
+        "newer outputs may be missing in the reference"
+    )
+    assert result_now.time == pytest.approx(time, abs=1e-12)
     links = len(scene.chain.links)
-    result, expected = coordinates(fresh.columns, links), coordinates(columns, links)
+    result, expected = coordinates(result_now.columns, links), coordinates(columns, links)
     for now, then, error in zip(result, expected, REGRESSION_ERROR[model], strict=True):
         assert now == pytest.approx(then, abs=error)
 

@@ -218,9 +218,9 @@ BAD_SCENES = {
 }
 
 
-@pytest.mark.parametrize("what", BAD_SCENES)
-def test_scenes_that_cannot_move_so_are_refused(what):
-    options, sentence = BAD_SCENES[what]
+@pytest.mark.parametrize("case", BAD_SCENES)
+def test_scenes_that_cannot_move_so_are_refused(case):
+    options, sentence = BAD_SCENES[case]
     with pytest.raises(SceneError, match=sentence):
         scene_of(box={"y_min": -1.0}, initial={"angles": [0.0, 0.0]}, **options)
 
@@ -236,8 +236,8 @@ def test_walls_are_drawn_where_they_are(tmp_path):
     walls = result.walls_at(0.5)
     assert walls["y_min"].offset == pytest.approx(height(0.5))
     assert walls["x_max"].offset == pytest.approx(-2.0 + 0.15)
-    seen = data(result)["moved"]
-    assert (seen["y_min"]["low"], seen["y_min"]["high"]) == pytest.approx(
+    moved_walls = data(result)["moved"]
+    assert (moved_walls["y_min"]["low"], moved_walls["y_min"]["high"]) == pytest.approx(
         (0.2 * math.sin(4.0), 0.2), abs=1e-3
     )
     result.plot(tmp_path / "motion.png")

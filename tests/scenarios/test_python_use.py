@@ -77,11 +77,11 @@ def test_a_copy_of_a_chain_goes_on_bit_by_bit_and_for_itself(chain, copied):
     assert len(other.impacts) == len(chain.impacts) > 0
     other.reset()
     assert (other.time, other.get("tip.force.x")) == (0.0, 0.0)
-    fresh = Chain("rod_drop")  # parameters can be set before the start
-    fresh.set("initial.y", 1.25)
-    other = copied(fresh)
+    changed_chain = Chain("rod_drop")  # parameters can be set before the start
+    changed_chain.set("initial.y", 1.25)
+    other = copied(changed_chain)
     other.set("initial.y", 1.5)
-    assert (fresh.get("point[0].y"), other.get("point[0].y")) == (1.25, 1.5)
+    assert (changed_chain.get("point[0].y"), other.get("point[0].y")) == (1.25, 1.5)
 
 
 def test_a_chain_goes_on_in_another_process(chain):

@@ -108,8 +108,8 @@ def test_points_are_told_by_their_names_and_sliders_as_such(cart):
     names = [run.touching_part(impact) for impact in run.impacts]
     assert names[:3] == ["point 3 (heel)", "point 4 (toe)", "point 6"]
     assert {cart.touching_part(impact) for impact in cart.impacts} == {"slider"}
-    shown = Recording("R", run.time, run.columns, run.impacts, wall_names=run.wall_names)
-    assert shown.touching_part(run.impacts[0]) == "point 3"
+    unnamed = Recording("R", run.time, run.columns, run.impacts, wall_names=run.wall_names)
+    assert unnamed.touching_part(run.impacts[0]) == "point 3"
     places = {element_label(phase, run.wall_names, run.point_names) for phase in run.stick_slip}
     assert {"point 3 (heel) at y_min", "point 4 (toe) at y_min"} <= places
     groups = point_groups(run, marks_of(run)[1])

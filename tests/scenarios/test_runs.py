@@ -227,14 +227,16 @@ def test_a_damaged_library_is_a_fault_of_the_run(fmus, tmp_path):
 def test_runs_in_threads_leave_the_process_as_it_is(tmp_path_factory, kind):
     path = Path(OnDemand(kind, shared_folder(tmp_path_factory, "fmus") / kind)["rod_drop"])
     before = sys.stdout, sys.stderr, Path.cwd()
-    seen = []
+    process_states = []
 
     def run(number):
         end = {"simulation.stop_time": 0.2}
         # every second run fails, which must not change the other results
         values = {"initial.y": -1.0} if number % 2 else {}
         try:
-            return record_fmu(path, end | values, lambda _: seen.append((sys.stdout, sys.stderr, Path.cwd())))
+            return record_fmu(
+                path, end | values, lambda _: process_states.append((sys.stdout, sys.stderr, Path.cwd()))
+            )
         except RunError as error:
             return str(error)
 
@@ -242,7 +244,7 @@ def test_runs_in_threads_leave_the_process_as_it_is(tmp_path_factory, kind):
     with ThreadPoolExecutor(4) as pool:
         results = list(pool.map(run, range(8)))
     assert (sys.stdout, sys.stderr, Path.cwd()) == before
-    assert set(seen) == {before}
+    assert set(process_states) == {before}
     for result in results[::2]:
         assert are_equal(result.impacts, alone.impacts)
         assert all(np.array_equal(result.columns[name], alone.columns[name]) for name in alone.columns)
@@ -257,7 +259,7 @@ def test_a_missing_file_is_named():
 
 
 def test_all_outputs_of_an_fmu_take_one_run(monkeypatch):
-    scenes, seen, original_kernel_for = [], [], instance.kernel_for
+    scenes, fractions, original_kernel_for = [], [], instance.kernel_for
 
     def kernel_for(scene, **options):
         scenes.append(scene)
@@ -265,9 +267,9 @@ def test_all_outputs_of_an_fmu_take_one_run(monkeypatch):
 
     monkeypatch.setattr(instance, "kernel_for", kernel_for)
     scene = load_scene("rod_drop")
-    simulate(scene, progress=seen.append)
+    simulate(scene, progress=fractions.append)
     assert scenes == [scene]
-    assert (seen, seen[-1]) == (sorted(seen), 1.0)
+    assert (fractions, fractions[-1]) == (sorted(fractions), 1.0)
 
 
 def test_too_many_rows_are_refused_before_the_first_run(monkeypatch):

@@ -43,8 +43,8 @@ def test_published_figures_differ_as_documented(problem):
         # a published figure with the note "inaccurate" has an error above its last digit, and above our
         # result's error
         last_digit = 10.0 ** Decimal(figure.published).as_tuple().exponent
-        ours = abs(figure.ours - figure.independent)
-        assert figure.inaccurate == (off > 1.01 * last_digit and off > 10 * ours), figure.quantity
+        own_error = abs(figure.ours - figure.independent)
+        assert figure.inaccurate == (off > 1.01 * last_digit and off > 10 * own_error), figure.quantity
 
 
 @pytest.mark.parametrize("question", QUESTIONS, ids=lambda question: question.threads[0])

@@ -92,11 +92,21 @@ def program(law: Path, platform: str, folder: Path) -> Path:
 
     The program reads a file of arguments and writes a file of results.
     """
-    source, made = folder / "functions.c", folder / f"functions-{platform}.exe"
+    source, executable = folder / "functions.c", folder / f"functions-{platform}.exe"
     source.write_text(PROGRAM, encoding="utf-8")
     target = PLATFORMS[platform]
-    zig(folder, "-target", target.target, f"-mcpu={target.cpu}", *compilers.C_FLAGS, source, law, "-o", made)
-    return made
+    zig(
+        folder,
+        "-target",
+        target.target,
+        f"-mcpu={target.cpu}",
+        *compilers.C_FLAGS,
+        source,
+        law,
+        "-o",
+        executable,
+    )
+    return executable
 
 
 def run(command: Callable[[Path, Path], Any], folder: Path, **given: np.ndarray) -> list[np.ndarray]:

@@ -188,9 +188,9 @@ def stewart_rod(tolerance: float) -> Problem:
 
 def rocking_block(tolerance: float) -> Problem:
     """Return figures for the spin of a block after its other corner hits the floor."""
-    tilt, shown = 0.2, (0.1, 0.2)
+    tilt, restitutions = 0.2, (0.1, 0.2)
     left, figures = [], []
-    for restitution in shown:
+    for restitution in restitutions:
         after, result, exact = rocked(tilt, restitution, tolerance)
         left.append(after / exact.before)
         quantity = f"block of 1 × 1.5 m, e = {restitution}: angular velocity after / before"

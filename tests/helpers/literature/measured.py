@@ -32,13 +32,13 @@ def heard_impacts() -> np.ndarray:
 
 def golf_ball(tolerance: float) -> Problem:
     """Return figures for the times of heard impacts, with the restitution from heights as the model's."""
-    model, shown = "golf_ball", (2, 3, 5, 9)
+    model, numbers = "golf_ball", (2, 3, 5, 9)
     result = run(model, tolerance)
     scene = load_scene(model)
     gravity, height, e = -scene.gravity[1], scene.initial.position[1], scene.contact.restitution
     fall, onsets = math.sqrt(2 * height / gravity), heard_impacts()
     figures = []
-    for n in shown:
+    for n in numbers:
         # flights of the duration 2 v eᵏ/g with v = g · fall
         exact = fall + 2 * fall * sum(e**k for k in range(1, n))
         ours = result.impacts["onset"][n - 1]
@@ -49,12 +49,12 @@ def golf_ball(tolerance: float) -> Problem:
 
 def triple_pendulum(tolerance: float) -> Problem:
     """Return figures for angles that encoders measured, and of the chain with the published parameters."""
-    model, shown = "triple_pendulum", (1.0, 2.0, 5.0)
+    model, chosen_times = "triple_pendulum", (1.0, 2.0, 5.0)
     result = run(model, tolerance)
-    exact = differentiate(load_scene(model), (), shown).values
+    exact = differentiate(load_scene(model), (), chosen_times).values
     columns = measured(model)
     figures = []
-    for k, time in enumerate(shown):
+    for k, time in enumerate(chosen_times):
         row = round(time * 100)
         for link in (1, 2, 3):
             name = f"link[{link}].angle"

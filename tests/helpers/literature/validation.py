@@ -238,11 +238,11 @@ def elastic_floor(tolerance: float) -> Problem:
 
 def clattering_rod(tolerance: float) -> Problem:
     """Return figures for the impacts of a rod's two ends: closed forms of flights, and searches for roots."""
-    model, shown = "clattering_rod", (1, 2, 3, 10, 20, 30)
+    model, numbers = "clattering_rod", (1, 2, 3, 10, 20, 30)
     result = run(model, tolerance)
-    exact = clatter(load_scene(model), max(shown))
+    exact = clatter(load_scene(model), max(numbers))
     figures = []
-    for n in shown:
+    for n in numbers:
         end, onset, speed = exact[n - 1]
         row = result.impacts[n - 1]
         assert row["point"] == end
@@ -322,11 +322,11 @@ def falling_arm(tolerance: float) -> Problem:
 
 def steel_bar(tolerance: float) -> Problem:
     """Return figures for the effective restitution of a vibrating bar, against an Euler–Bernoulli beam."""
-    model, shown = "steel_bar", (0.2, 0.3, 0.4)
+    model, lengths = "steel_bar", (0.2, 0.3, 0.4)
     result, scene = run(model, tolerance), load_scene(model)
     times = np.linspace(0.0, scene.simulation.stop_time, 2)
     figures = []
-    for length in shown:
+    for length in lengths:
         bar = Bar(length)
         _, exact = bar.impact(times)
         ours = impulse(bar.chain(scene, 20, tolerance))

@@ -70,8 +70,8 @@ def knee_strike(q: np.ndarray, w: np.ndarray) -> np.ndarray:
     straight = q[:2]
     hip = LEG * np.array([-np.sin(q[0]), np.cos(q[0])])
     kept = [(ALL, np.zeros(2)), (SWINGING, hip)]
-    before = np.array([momenta(BENT, q, *which) for which in kept])
-    after = np.array([momenta(STRAIGHT, straight, *which) for which in kept])
+    before = np.array([momenta(BENT, q, *masses_and_point) for masses_and_point in kept])
+    after = np.array([momenta(STRAIGHT, straight, *masses_and_point) for masses_and_point in kept])
     return np.linalg.solve(after, before @ w)
 
 

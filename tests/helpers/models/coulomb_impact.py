@@ -269,8 +269,8 @@ def algebraic(strike: Strike, restitution: float) -> Departure:
     pendulum of Kane and Levinson energy increases.
     """
     w, before = strike.inverse_inertia, np.array([-strike.approach, strike.sliding])
-    wanted = np.array([restitution * strike.approach, 0.0])
-    impulse, kind = np.linalg.solve(w, wanted - before), "stick"
+    target_motion = np.array([restitution * strike.approach, 0.0])
+    impulse, kind = np.linalg.solve(w, target_motion - before), "stick"
     static = strike.friction if strike.static_friction is None else strike.static_friction
     if abs(impulse[1]) > static * impulse[0]:
         for sign in (-1.0, 1.0):

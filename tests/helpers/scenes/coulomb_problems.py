@@ -338,13 +338,13 @@ def oblique_ball(
     table = scene_table(
         "ObliqueBall", BALL.links, initial, {"y_min": 0.0}, contact, stop_time=2 * onset + 2 * impact.duration
     )
-    taken = math.copysign(min(abs(sliding), friction * (1.0 + e) * speed), sliding)
-    left = sliding - taken
+    slowing = math.copysign(min(abs(sliding), friction * (1.0 + e) * speed), sliding)
+    left = sliding - slowing
     return table, Bounce(
         separation=impact.separation_speed,
         sliding=left,
         normal=mass * (1.0 + e) * speed,
-        tangential=-mass * taken,
+        tangential=-mass * slowing,
         lost_by_friction=0.5 * mass * (sliding**2 - left**2),
         lost_by_damping=impact.dissipated,
         onset=onset,

@@ -378,10 +378,10 @@ def differences(case: Case, parameter: str) -> tuple[np.ndarray, np.ndarray]:
         above, below = (run(case, {parameter: at + sign * size}) for sign in (1.0, -1.0))
         return [(a - b) / (2.0 * size) for a, b in zip(above, below, strict=True)]
 
-    made = [slopes(unit * size) for size in (5e-4, 2.5e-4, 1.25e-4, 6.25e-5, 3.125e-5)]
+    all_slopes = [slopes(unit * size) for size in (5e-4, 2.5e-4, 1.25e-4, 6.25e-5, 3.125e-5)]
     best = []
-    for sizes in zip(*made, strict=True):
-        tried = [(4.0 * fine - coarse) / 3.0 for coarse, fine in itertools.pairwise(sizes)]
-        gaps = [np.nanmax(np.abs(a - b), initial=0.0) for a, b in itertools.pairwise(tried)]
-        best.append(tried[int(np.argmin(gaps)) + 1])
+    for sizes in zip(*all_slopes, strict=True):
+        extrapolated_slopes = [(4.0 * fine - coarse) / 3.0 for coarse, fine in itertools.pairwise(sizes)]
+        gaps = [np.nanmax(np.abs(a - b), initial=0.0) for a, b in itertools.pairwise(extrapolated_slopes)]
+        best.append(extrapolated_slopes[int(np.argmin(gaps)) + 1])
     return best[0], best[1]

@@ -24,9 +24,9 @@ def make_environment(folder: Path, *names: str) -> None:
     """Make a virtual environment with only some distributions of this one, and those that they need."""
     venv.create(folder, symlinks=True)
     (packages,) = folder.glob("lib/python*/site-packages")
-    wanted, added = [*names], set()
-    while wanted:
-        name = wanted.pop()
+    missing_names, added = [*names], set()
+    while missing_names:
+        name = missing_names.pop()
         if name in added:
             continue
         added.add(name)
@@ -35,7 +35,7 @@ def make_environment(folder: Path, *names: str) -> None:
             if not (packages / part).exists():
                 (packages / part).symlink_to(Path(installed.locate_file(part)))
         needed = [Requirement(text) for text in installed.requires or ()]
-        wanted += [
+        missing_names += [
             requirement.name
             for requirement in needed
             if not requirement.marker or requirement.marker.evaluate({"extra": ""})
@@ -84,7 +84,7 @@ class Processes:
         assert answer, self.failure(module, "has died" if ready else f"gave no answer in {PATIENCE:g} s")
         return int(answer), *(file.read_text(encoding="utf-8", errors="replace") for file in files)
 
-    def failure(self, module: str, what: str) -> str:
+    def failure(self, module: str, fault: str) -> str:
         """Return the fault of the process that imports a module.
 
         End the process, so that the next call starts another.
@@ -93,7 +93,9 @@ class Processes:
         parent.kill()
         with suppress(BrokenPipeError):
             parent.communicate()
-        return f"the process that imports {module} {what}:\n{self.errors(module).read_text(errors='replace')}"
+        return (
+            f"the process that imports {module} {fault}:\n{self.errors(module).read_text(errors='replace')}"
+        )
 
     def errors(self, module: str) -> Path:
         """Return the file with the text that the process of a module has written to standard error."""

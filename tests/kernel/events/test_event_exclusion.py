@@ -169,12 +169,12 @@ def test_the_root_of_the_regularized_contact_decides_by_its_end(end, expected):
     assert event_exclusion.stays_in_contact(d, 2, 1e9) == expected
 
 
-@pytest.mark.parametrize("what", [VALUES_KNOWN, CURVATURES_KNOWN, DISTANCE_KNOWN])
-def test_bounds_are_kept_until_the_steps_break(what):
+@pytest.mark.parametrize("known_values", [VALUES_KNOWN, CURVATURES_KNOWN, DISTANCE_KNOWN])
+def test_bounds_are_kept_until_the_steps_break(known_values):
     _, d = chain(np.random.default_rng(0), 1)
     d.step.break_count = 3
-    event_exclusion.remember_clearances(d, what)
-    assert event_exclusion.known_clearances(d) == what
+    event_exclusion.remember_clearances(d, known_values)
+    assert event_exclusion.known_clearances(d) == known_values
     d.step.break_count = 4
     assert event_exclusion.known_clearances(d) == NOTHING_KNOWN
 
@@ -234,9 +234,9 @@ def quiet_start(regularized=-1):
 def test_a_touching_point_is_near_unless_its_contact_is_regularized():
     d = quiet_start()
     assert event_exclusion.remains_far(d)
-    for what in (NOTHING_KNOWN, VALUES_KNOWN):
+    for known_values in (NOTHING_KNOWN, VALUES_KNOWN):
         d = quiet_start()
-        event_exclusion.remember_clearances(d, what)
+        event_exclusion.remember_clearances(d, known_values)
         assert not event_exclusion.remains_far(d)
     d = quiet_start()
     mark_touching(d, [2])

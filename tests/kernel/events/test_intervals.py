@@ -160,14 +160,14 @@ def test_a_joint_is_bounded_by_the_relative_turn_of_its_link(bounded):
 def test_intervals_are_halved_where_needed_and_widen_again(monkeypatch, near, ends):
     """The intervals of the bisection are [k/2ⁿ, (k+1)/2ⁿ], here down to 1/8 where they contain an event."""
     _, d = stopped_chain(1, "pinned")
-    seen = []
-    monkeypatch.setattr(crossing, "measure_clearances", lambda _, b: seen.append(b))
+    ends_measured = []
+    monkeypatch.setattr(crossing, "measure_clearances", lambda _, b: ends_measured.append(b))
     monkeypatch.setattr(crossing, "begin_next_interval", lambda _: None)
     monkeypatch.setattr(
         crossing, "check_interval", lambda _, a, b: SPLIT if a <= near < b and b - a > 0.125 else QUIET
     )
     assert crossing.find_crossing(d) == -1.0
-    assert seen == ends
+    assert ends_measured == ends
 
 
 def test_curvature_bounds_of_stops_and_points_hold(bounded):

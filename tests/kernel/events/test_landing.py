@@ -219,7 +219,7 @@ def test_an_incredible_onset_refuses_the_step_or_is_dropped(
     monkeypatch,
 ):
     # a step of 1e-12 s, or a step near the resolution of time, cannot become shorter
-    for size, clock, taken in (
+    for size, clock, is_accepted_step in (
         (1.0, 0.0, False),
         (1e-13, 0.0, True),
         (1e-11, 0.0, False),
@@ -231,9 +231,9 @@ def test_an_incredible_onset_refuses_the_step_or_is_dropped(
         monkeypatch.setattr(search, "is_credible_crossing", lambda *_: False)
         monkeypatch.setattr(search, "find_crossing", found_leaving)
         assert find_event(d) == -1.0
-        assert is_accepted(d) == taken
-        assert d.contacts.event[1] == (NO_EVENT if taken else ONSET)
-        if taken:
+        assert is_accepted(d) == is_accepted_step
+        assert d.contacts.event[1] == (NO_EVENT if is_accepted_step else ONSET)
+        if is_accepted_step:
             # the points are those of the end of the step
             np.testing.assert_allclose(d.search.phi_end, gaps_of(d, d.step.state_end), rtol=0, atol=1e-11)
 

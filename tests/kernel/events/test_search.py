@@ -172,8 +172,8 @@ def test_without_candidates_there_is_no_event():
     assert find_event(d) == -1.0
 
 
-@pytest.mark.parametrize("what", [NOTHING_KNOWN, VALUES_KNOWN, DISTANCE_KNOWN])
-def test_an_implicit_step_begins_where_the_last_search_ended(what, monkeypatch):
+@pytest.mark.parametrize("known_values", [NOTHING_KNOWN, VALUES_KNOWN, DISTANCE_KNOWN])
+def test_an_implicit_step_begins_where_the_last_search_ended(known_values, monkeypatch):
     """The clearances at the start of the step are measured only if they are unknown."""
     measured = []
     monkeypatch.setattr(
@@ -181,9 +181,9 @@ def test_an_implicit_step_begins_where_the_last_search_ended(what, monkeypatch):
     )
     d, _ = moving(0, near=1)
     d.step.last_method = IMPLICIT
-    remember_clearances(d, what)
+    remember_clearances(d, known_values)
     find_event(d)
-    assert measured.count(0.0) == (what != VALUES_KNOWN)
+    assert measured.count(0.0) == (known_values != VALUES_KNOWN)
 
 
 def test_later_events_are_those_of_contacts_up_to_the_touch():

@@ -180,10 +180,12 @@ def stiff_joint(damping, tolerance=1e-8):
 def test_the_first_step_is_some_time_constants_of_a_fast_motion(tolerance, damping, h):
     """DECAY_TIMES time constants for an error of the tolerance, and fewer for a larger error of the step."""
     d, rho, fast = stiff_joint(damping, tolerance)
-    taken = 1.0 - 1.0 / (
+    damped_share = 1.0 - 1.0 / (
         1.0 + rho * h * REAL_EIGENVALUE
     )  # the result of one linear solution with the real shift
-    expected = collocation.DECAY_TIMES / rho * (rho / (taken * fast)) ** (1.0 / (ERROR_ORDER[IMPLICIT] - 1))
+    expected = (
+        collocation.DECAY_TIMES / rho * (rho / (damped_share * fast)) ** (1.0 / (ERROR_ORDER[IMPLICIT] - 1))
+    )
     assert collocation.prepare_step(d, h) == pytest.approx(expected, rel=1e-6)
     collocation.integrate_trial(d, expected)
     assert step_control.is_accepted(d)

@@ -93,23 +93,23 @@ def test_dense_output_of_coordinates_meets_the_clearances(step, monkeypatch):
     for theta in (0.0, 1 / 3, 2 / 3, 1.0):
         before[theta] = np.zeros(len(d.step.state))
         dense_output.interpolate_state(d.step, theta, before[theta])
-    asked = []
+    calls = []
 
     def project_coordinates(d, _y, derivative, change):
-        asked.append((derivative, d.implicit.target_clearance[:2].tolist()))
+        calls.append((derivative, d.implicit.target_clearance[:2].tolist()))
         change[:] = rng.uniform(-1e-3, 1e-3, len(change))
-        changes[len(asked)] = change.copy()
+        changes[len(calls)] = change.copy()
 
     monkeypatch.setattr(collocation, "project_coordinates", project_coordinates)
     collocation.match_clearances(d)
-    assert [call[0] for call in asked] == [0, 1, 0, 1]
+    assert [call[0] for call in calls] == [0, 1, 0, 1]
     for k in range(2):
-        wanted = [
+        clearances = [
             collocation.extended_component(d, clearance_at(d, k) + 2 * derivative, part / 3)
             for part in (1, 2)
             for derivative in (0, 1)
         ]
-        assert [call[1][k] for call in asked] == pytest.approx(wanted, abs=1e-15)
+        assert [call[1][k] for call in calls] == pytest.approx(clearances, abs=1e-15)
     y, end = np.zeros(len(d.step.state)), dissipated_at(LINKS)
     for theta, moved in ((0.0, ()), (1 / 3, (1, 2)), (2 / 3, (3, 4)), (1.0, ())):
         dense_output.interpolate_state(d.step, theta, y)

@@ -89,9 +89,9 @@ def test_step_is_of_no_higher_order():
 
 @pytest.mark.parametrize(("estimate", "order"), [(E5, 5), (E3, 3)])
 def test_error_estimate_sees_nothing_up_to_its_order_and_something_beyond(estimate, order):
-    seen = [max(abs(estimate @ weights(tree)) for tree in trees(p)) for p in range(1, order + 2)]
-    assert max(seen[:-1]) < 1e-13
-    assert seen[-1] > 1e-6
+    errors_by_order = [max(abs(estimate @ weights(tree)) for tree in trees(p)) for p in range(1, order + 2)]
+    assert max(errors_by_order[:-1]) < 1e-13
+    assert errors_by_order[-1] > 1e-6
 
 
 def test_stages_use_earlier_ones_only_and_the_last_stands_at_the_end():

@@ -46,21 +46,21 @@ def step():
     return scene, d, touched, y, z
 
 
-def response(scene, d, y, touched, wanted):
+def response(scene, d, y, touched, aim):
     """Return Δ of (M + Jᵀ D J) Δ = Jᵀ D wanted, for the impedances D of the contacts."""
     slopes = gradients(scene, d, y[2:HALF], touched)
     impedance = np.diag([contact_impedance(d, k, d.implicit.shift) for k in range(len(touched))])
     matrix = mass_matrix(scene, y[2:HALF]) + slopes.T @ impedance @ slopes
-    return np.linalg.solve(matrix, slopes.T @ impedance @ wanted)
+    return np.linalg.solve(matrix, slopes.T @ impedance @ aim)
 
 
 @pytest.mark.parametrize("derivative", [0, 1])
 def test_coordinates_move_to_clearances_as_the_chain_responds_to_impulses(step, derivative):
     scene, d, touched, y, _ = step
     now = np.array([clearance_and_rate(d, c)[derivative] for c in touched])
-    wanted, change = np.array([2e-4, -3e-4]), np.zeros(HALF)
-    d.implicit.target_clearance[:2] = now + wanted
-    expected = response(scene, d, y, touched, wanted)
+    aim, change = np.array([2e-4, -3e-4]), np.zeros(HALF)
+    d.implicit.target_clearance[:2] = now + aim
+    expected = response(scene, d, y, touched, aim)
     moved = y.copy()
     extended_state.project_coordinates(d, moved, derivative, change)
     assert change == pytest.approx(expected, rel=1e-9)
@@ -91,7 +91,7 @@ def test_a_projection_returns_its_largest_change_and_residual(step):
     for k in range(2):
         z[clearance_at(d, k)] += gaps[k]
         z[rate_at(d, k)] += rates[k]
-    changes = np.concatenate([response(scene, d, y, touched, wanted) for wanted in (gaps, rates)])
+    changes = np.concatenate([response(scene, d, y, touched, aim) for aim in (gaps, rates)])
     apart, moved = extended_state.largest_mismatch(d, z) / extended_state.CLEARANCE_MISMATCH, y.copy()
     worst = extended_state.project_clearances(d, z, moved)
     assert worst == pytest.approx((max(abs(changes) * d.implicit.error_weight[: 2 * HALF]), apart), rel=1e-7)
@@ -101,10 +101,10 @@ def test_a_projection_returns_its_largest_change_and_residual(step):
 
 def test_the_change_of_either_part_may_be_the_largest(step):
     scene, d, touched, y, z = step
-    for at, wanted in ((clearance_at, [1e-3, 0.0]), (rate_at, [1.0, 0.0])):
+    for at, aim in ((clearance_at, [1e-3, 0.0]), (rate_at, [1.0, 0.0])):
         off = z.copy()
-        off[at(d, 0)] += wanted[0]
-        changes = response(scene, d, y, touched, np.array(wanted))
+        off[at(d, 0)] += aim[0]
+        changes = response(scene, d, y, touched, np.array(aim))
         weights = (
             d.implicit.error_weight[:HALF] if at is clearance_at else d.implicit.error_weight[HALF : 2 * HALF]
         )

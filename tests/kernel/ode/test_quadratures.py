@@ -159,9 +159,9 @@ def test_a_stage_is_the_force_in_the_variable_of_the_step(d, at_end):
 
 def test_a_step_goes_on_from_the_last_one_and_may_be_cut_or_dropped(d):
     """The totals belong to the end of the step."""
-    end, tried, total = *values(d, "state_end", "tried_state"), d.quadrature.integral.copy()
+    end, trial_state, total = *values(d, "state_end", "tried_state"), d.quadrature.integral.copy()
     quadratures.accept_quadratures(d)
-    assert values(d, "state", "state_end") == [end, tried]
+    assert values(d, "state", "state_end") == [end, trial_state]
     expected = [interpolate_component(d.quadrature, 0.3, k) for k in range(2)]
     quadratures.truncate_quadratures(d, 0.3)
     assert values(d, "state", "state_end") == [end, expected]

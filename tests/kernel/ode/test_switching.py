@@ -282,12 +282,12 @@ def test_a_chain_without_resistance_is_explicit_if_the_solver_chooses(pressed):
     d, touched = pressed
     mark_touching(d, [])
     d.step.method, d.step.end = IMPLICIT, 1.0
-    for asked, method in (
+    for solver_choice, method in (
         (AUTOMATIC_METHOD + 1 + IMPLICIT, IMPLICIT),
         (AUTOMATIC_METHOD, EXPLICIT),
         (AUTOMATIC_METHOD + 1 + EXPLICIT, EXPLICIT),
     ):
-        d.solver.method, d.step.method = asked, IMPLICIT
+        d.solver.method, d.step.method = solver_choice, IMPLICIT
         choose_method(d)
         assert d.step.method == method
     mark_touching(d, touched)

@@ -105,7 +105,7 @@ def test_derivatives_by_a_value_set_at_an_onset_that_is_due_are_right(model, cha
     impacts = through_onset(instance, changes, stop)
     onsets = instance.slopes_of_impacts(np.arange(len(impacts)))["onset"]
     looks = [compiled.output_index[name] for name in ("point[1].y", "link[1].angular_velocity")]
-    seen = tangents_of(instance)["output"].view(np.float64).reshape(-1, 5)[looks, 1 : 1 + len(names)]
+    output_slopes = tangents_of(instance)["output"].view(np.float64).reshape(-1, 5)[looks, 1 : 1 + len(names)]
 
     def plain(scene_of_run):
         run = Instance(scene_of_run)
@@ -115,4 +115,4 @@ def test_derivatives_by_a_value_set_at_an_onset_that_is_due_are_right(model, cha
 
     for k, name in enumerate(names):
         expected = difference(plain, scene, name)
-        np.testing.assert_allclose([*seen[:, k], onsets[0, k]], expected, rtol=1e-6, atol=1e-8)
+        np.testing.assert_allclose([*output_slopes[:, k], onsets[0, k]], expected, rtol=1e-6, atol=1e-8)

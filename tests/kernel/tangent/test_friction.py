@@ -60,9 +60,9 @@ def test_rest_is_late_by_its_speed_over_its_acceleration(monkeypatch, t, acceler
     """Below 100 tolerances · 9 N/3 kg = 3e-4 m/s² the acceleration may be an error; the speed becomes 0."""
     monkeypatch.setattr(friction, "mean_mass", lambda _t: dual(3.0))
     along = {"rate": dual(1e-12, 3.0, -8.0), "acceleration": dual(acceleration, 50.0, 50.0)}
-    for what, motion in along.items():
+    for quantity, motion in along.items():
         monkeypatch.setattr(
-            friction, f"tangential_{what}", lambda _t, e, motion=motion: motion if e == 2 else None
+            friction, f"tangential_{quantity}", lambda _t, e, motion=motion: motion if e == 2 else None
         )
     delay = friction.delay_of_rest(t, 2)
     assert (delay.value, delay.slope.tolist()) == (0.0, late)

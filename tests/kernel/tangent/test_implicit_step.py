@@ -258,7 +258,7 @@ def test_a_step_is_made_of_the_stages_of_the_run(monkeypatch, reason, converges,
     monkeypatch.setattr(replay, "extended_length", lambda _: 12)
     monkeypatch.setattr(replay, "clearance_count", lambda _: contacts)
     monkeypatch.setattr(replay, "iterate_slopes", lambda *_: called.append("iterate") or converges)
-    monkeypatch.setattr(replay, "mark_untrusted", lambda _t, *what: called.append(what))
+    monkeypatch.setattr(replay, "mark_untrusted", lambda _t, *arguments: called.append(arguments))
     replay.make_implicit(d, t, 0.1)
     if reason == trust.TRUSTED:
         expected += ["iterate"] if converges else ["iterate", (trust.NOT_CONVERGED, trust.NO_IMPACT, 1.5)]

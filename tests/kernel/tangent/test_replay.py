@@ -173,10 +173,10 @@ def test_a_step_is_made_once_more(monkeypatch, calls, last, size, more):
     monkeypatch.setattr(replay, "move_end", lambda t: calls.append(("move_end", *t.contacts.event)))
     replay.replay(d, t)
     begin = [("copy_modes",), ("apply_pending_events",), ("copy_values",), ("choose_variable", True)]
-    made = [("set_first_stage",), ("make", last.get("method", EXPLICIT), size), ("check_turns",)]
+    steps_made = [("set_first_stage",), ("make", last.get("method", EXPLICIT), size), ("check_turns",)]
     end = [("correct_falling_quadratures",), ("move_end", *last["events"])]
     cut, jump = more
-    assert calls == [*begin, *made, *cut, ("copy_end_values",), *jump, *end]
+    assert calls == [*begin, *steps_made, *cut, ("copy_end_values",), *jump, *end]
     assert t.friction_element.event == [NO_EVENT, SLIDING_ENDS, NO_EVENT]
 
 

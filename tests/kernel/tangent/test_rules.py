@@ -115,10 +115,10 @@ COUNT = 10  # length of the state of a chain of one link
 
 def step_of(numbers, regularized, make=lambda number, _: number):
     """Return an instance of one link whose last step has these numbers: dense output, state, start, size."""
-    made = [make(number, k) for k, number in enumerate(numbers)]
-    table = {(m, j): made[COUNT * m + j] for m in range(7) for j in range(COUNT)}
-    start, size = made[-2:]
-    step = SimpleNamespace(state=made[-2 - COUNT : -2], dense=table, start=start, size=size)
+    parts_made = [make(number, k) for k, number in enumerate(numbers)]
+    table = {(m, j): parts_made[COUNT * m + j] for m in range(7) for j in range(COUNT)}
+    start, size = parts_made[-2:]
+    step = SimpleNamespace(state=parts_made[-2 - COUNT : -2], dense=table, start=start, size=size)
     step.regularized_candidate = regularized
     return SimpleNamespace(link_count=1, step=step)
 

@@ -216,10 +216,10 @@ def test_a_point_that_stands_on_a_wall_at_rest_has_derivatives(monkeypatch, rigi
 @pytest.mark.parametrize("at_end", [1, 0])
 def test_the_force_of_a_users_law_may_jump_where_a_point_turns(monkeypatch, rates, turned, jumps, at_end):
     """The stored value is the rate of the penetration: a clearance rate of the same sign is a reversal."""
-    asked, located = [], []
+    calls, located = [], []
     approaching(monkeypatch, 0.0, 0.0, rates[1], 0.0)
     monkeypatch.setattr(trust, "locate_points", lambda t, y: located.append(y))
-    monkeypatch.setattr(trust, "jumps_at_rest", lambda _t, c, depth: asked.append((c, depth.value)) or jumps)
+    monkeypatch.setattr(trust, "jumps_at_rest", lambda _t, c, depth: calls.append((c, depth.value)) or jumps)
     # registered laws are not checked
     for present, number in ((False, trust.USER_LAW), (True, 1), (True, trust.USER_LAW)):
         t = instance()
@@ -227,14 +227,14 @@ def test_the_force_of_a_users_law_may_jump_where_a_point_turns(monkeypatch, rate
         t.law.number[2] = number
         t.scratch.located_at_end = at_end
         monkeypatch.setattr(trust.user_law, "has_user_law", lambda present=present: present)
-        assert asked == []
+        assert calls == []
         trust.check_turns(t)
         if not (present and number == trust.USER_LAW):
             assert t.trust.reason == trust.TRUSTED
     assert trust_fields(t) == (
         (trust.FORCE_JUMPS, TIME - 1.0, 6, 2) if turned and jumps else (trust.TRUSTED, 0.0, 9, 9)
     )
-    assert asked == ([(2, 1e-4)] if turned else [])
+    assert calls == ([(2, 1e-4)] if turned else [])
     assert set(located) == ({"state"} if not at_end else set())
 
 
@@ -246,15 +246,15 @@ def test_the_force_of_a_users_law_may_jump_where_a_point_turns(monkeypatch, rate
     ],
 )
 def test_a_force_jumps_that_differs_beside_rest(monkeypatch, rising, falling, expected):
-    asked = []
+    calls = []
 
     def uncut_force(_, c, depth, rate, beyond):
-        asked.append((c, depth, rate.value, beyond))
+        calls.append((c, depth, rate.value, beyond))
         return dual(rising if rate.value > 0.0 else falling), None
 
     monkeypatch.setattr(trust, "uncut_force", uncut_force)
     assert trust.jumps_at_rest(instance(), 2, 1e-3) == expected
-    assert asked == [(2, 1e-3, 5e-10, False), (2, 1e-3, -5e-10, False)]
+    assert calls == [(2, 1e-3, 5e-10, False), (2, 1e-3, -5e-10, False)]
 
 
 def test_derivatives_are_trusted_up_to_the_named_impact():
