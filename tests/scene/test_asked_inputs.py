@@ -1,4 +1,4 @@
-"""The advice for an input that a scene does not have makes this input or a named one, or says why not."""
+"""Advice for an input that a scene lacks makes this input or the one that it names, or says why it cannot."""
 
 import re
 
@@ -25,13 +25,13 @@ def test_what_is_advised_makes_the_input(model):
     }
     for name in sorted(names - {*inputs_of(scene)}):
         advice = request_hint(scene, name)
-        near = re.search(r"the nearest is ([^,;]+)", advice)
-        wanted = near[1] if near else name
-        if asked := ASKS.search(advice):
-            value = [asked[3]] if asked[3] else True
-            assert wanted in inputs_of(scene.with_values({f"inputs.{asked[1]}": value})), advice
-        elif near:
-            assert wanted in inputs_of(scene), advice
+        nearest = re.search(r"the nearest is ([^,;]+)", advice)
+        expected_input = nearest[1] if nearest else name
+        if request := ASKS.search(advice):
+            value = [request[3]] if request[3] else True
+            assert expected_input in inputs_of(scene.with_values({f"inputs.{request[1]}": value})), advice
+        elif nearest:
+            assert expected_input in inputs_of(scene), advice
         elif "chain.base" in advice:
             key = "slider_force" if name.startswith("slider") else "base_motion"
             assert refusal(scene.with_values, {f"inputs.{key}": True})

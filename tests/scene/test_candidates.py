@@ -11,16 +11,18 @@ from chain_impact.variables.prepared import PreparedScene
 def test_candidates_are_the_listed_points_at_the_walls_that_are_there():
     box = load_scene("four_link_box")
     assert candidates_of(box) == [(point, wall) for point in range(5) for wall in range(4)]
-    some = with_values(box, {("contact", "points"): [4, 1], ("box", "x_min"): None, ("box", "y_max"): None})
+    some_points = with_values(
+        box, {("contact", "points"): [4, 1], ("box", "x_min"): None, ("box", "y_max"): None}
+    )
     x_max, y_min = WALLS.index("x_max"), WALLS.index("y_min")
-    assert candidates_of(some) == [(1, x_max), (1, y_min), (4, x_max), (4, y_min)]
+    assert candidates_of(some_points) == [(1, x_max), (1, y_min), (4, x_max), (4, y_min)]
     walls = [{"name": name, "point": [0.0, 0.0], "angle": angle} for name, angle in (("a", 0.0), ("b", -1.0))]
-    slanted = with_values(some, {("walls",): walls})
+    slanted = with_values(some_points, {("walls",): walls})
     assert candidates_of(slanted)[:4] == [(1, x_max), (1, y_min), (1, 4), (1, 5)]
-    held = PreparedScene(slanted).new_instance()[0]["walls"]
-    assert held["angle"].tolist() == [0.0, -1.0] + [0.0] * 6
+    walls_of_record = PreparedScene(slanted).new_instance()[0]["walls"]
+    assert walls_of_record["angle"].tolist() == [0.0, -1.0] + [0.0] * 6
     assert candidates_of(with_values(box, {("contact", "points"): []})) == []
-    for scene in (box, some, slanted, with_values(box, {("contact", "points"): []})):
+    for scene in (box, some_points, slanted, with_values(box, {("contact", "points"): []})):
         assert len(candidates_of(scene)) == len(scene.contact.points) * len(scene.half_planes)
     assert candidates_of(with_values(box, {("box", wall): None for wall in WALLS})) == []
 
@@ -37,5 +39,5 @@ def test_stops_come_last_joint_after_joint():
 
 def test_a_wall_with_the_name_of_a_stop_is_a_wall():
     walls = [{"name": name, "point": [0.0, -9.0], "angle": 0.1} for name in ("joint_min", "slider_max")]
-    named = with_values(load_scene("four_link_box"), {("walls",): walls})
-    assert {candidate["stop"] for candidate in SceneFacts(named)["candidates"]} == {0}
+    named_scene = with_values(load_scene("four_link_box"), {("walls",): walls})
+    assert {candidate["stop"] for candidate in SceneFacts(named_scene)["candidates"]} == {0}

@@ -46,18 +46,21 @@ def test_a_set_value_is_derived_again_once_it_is_removed():
     scene = finger().with_values({"link[1].inertia": 0.5})
     assert "link[1].inertia" not in scene.derived
     assert scene.with_values({"link[1].length": 2.0}).values["link[1].inertia"] == 0.5
-    again = scene.with_values({"link[1].inertia": None})
-    assert again == finger()
-    assert again.with_values({"link[1].length": 2.0}).values["link[1].inertia"] == 0.5 * 2.0 * 2.0 / 12
+    derived_again = scene.with_values({"link[1].inertia": None})
+    assert derived_again == finger()
+    assert (
+        derived_again.with_values({"link[1].length": 2.0}).values["link[1].inertia"] == 0.5 * 2.0 * 2.0 / 12
+    )
 
 
 def test_a_value_that_is_given_as_it_would_be_derived_is_given():
     scene = finger()
-    same = scene.with_values({"link[1].inertia": scene.values["link[1].inertia"]})
-    assert same.values == scene.values
-    assert same != scene
+    given_scene = scene.with_values({"link[1].inertia": scene.values["link[1].inertia"]})
+    assert given_scene.values == scene.values
+    assert given_scene != scene
     assert (
-        same.with_values({"link[1].mass": 9.0}).values["link[1].inertia"] == scene.values["link[1].inertia"]
+        given_scene.with_values({"link[1].mass": 9.0}).values["link[1].inertia"]
+        == scene.values["link[1].inertia"]
     )
 
 

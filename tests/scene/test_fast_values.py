@@ -21,16 +21,16 @@ def slow(scene, changes, monkeypatch):
 @pytest.mark.full("more cases", but=["four_link_box", "pinned_arm"])
 @pytest.mark.parametrize("model", MODELS)
 def test_a_changed_number_gives_the_scene_of_a_full_read(model, monkeypatch):
-    scene, quick = load_scene(model), 0
+    scene, quick_count = load_scene(model), 0
     for name, value in scene.values.items():
         if isinstance(value, float):
-            for new in (1.01 * value + 0.001, 0.0, -1.0, value):
-                found = with_numbers(scene, {name: new})
-                quick += found is not None
-                if found is not None:
-                    assert found == slow(scene, {name: new}, monkeypatch)
-                    assert found.derived_paths == scene.derived_paths
-    assert quick > 10
+            for new_value in (1.01 * value + 0.001, 0.0, -1.0, value):
+                result = with_numbers(scene, {name: new_value})
+                quick_count += result is not None
+                if result is not None:
+                    assert result == slow(scene, {name: new_value}, monkeypatch)
+                    assert result.derived_paths == scene.derived_paths
+    assert quick_count > 10
 
 
 def test_several_numbers_and_a_path(monkeypatch):
@@ -43,9 +43,11 @@ def test_several_numbers_and_a_path(monkeypatch):
 
 def test_an_inertia_that_is_derived_follows_the_mass():
     scene = load_scene("four_link_box")
-    changed = with_numbers(scene, {"link[2].mass": 3.0})
+    changed_scene = with_numbers(scene, {"link[2].mass": 3.0})
     assert ("chain", "links", 1, "inertia") in scene.derived_paths
-    assert changed.chain.links[1].inertia == pytest.approx(3.0 * changed.chain.links[1].length ** 2 / 12)
+    assert changed_scene.chain.links[1].inertia == pytest.approx(
+        3.0 * changed_scene.chain.links[1].length ** 2 / 12
+    )
 
 
 @pytest.mark.parametrize(
@@ -79,12 +81,12 @@ def test_faults_are_told_as_ever():
 
 def test_a_fast_change_of_the_start_leaves_each_warning_to_the_reader():
     arm = load_scene("pinned_arm")
-    beyond = {"initial.x": arm.box.x_max + 0.1, "initial.angle[1]": math.pi, "initial.angle[2]": math.pi}
+    changes = {"initial.x": arm.box.x_max + 0.1, "initial.angle[1]": math.pi, "initial.angle[2]": math.pi}
     with pytest.warns(SceneWarning, match=r"pinned base .* is 0\.1 m beyond the wall x_max"):
-        arm.with_values(beyond)
-    given = arm.with_values({"initial.joint_angles": [4.0, -4.0]})
+        arm.with_values(changes)
+    arm_of_joint_angles = arm.with_values({"initial.joint_angles": [4.0, -4.0]})
     with pytest.warns(SceneWarning, match=r"initial\.joint_angles\[2\] = -8 rad is 1\.27 turns"):
-        given.with_values({"initial.angle[2]": -4.0})
+        arm_of_joint_angles.with_values({"initial.angle[2]": -4.0})
 
 
 def test_a_fast_change_of_a_mass_brings_the_hint_on_lengths():

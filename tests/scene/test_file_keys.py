@@ -10,7 +10,7 @@ from chain_impact.scene.texts.names import fmu_name
 from chain_impact.studies.fit.parameters import parameters_of
 from tests.helpers.scenes.stops import knee_scene
 
-BOTH = {
+FMU_NAMES = {
     "contact.wall.x_max.restitution": "wall.x_max.restitution",
     "stops.stiffness": "stop.stiffness",
     "chain.links[2].mass": "link[2].mass",
@@ -25,9 +25,9 @@ def walled():
     return knee_scene().with_values({"wall.x_max.restitution": 0.4})
 
 
-@pytest.mark.parametrize("key", BOTH)
+@pytest.mark.parametrize("key", FMU_NAMES)
 def test_a_key_of_the_file_is_the_name_of_the_fmu(key):
-    assert fmu_name(key) == fmu_name(BOTH[key]) == BOTH[key]
+    assert fmu_name(key) == fmu_name(FMU_NAMES[key]) == FMU_NAMES[key]
 
 
 @pytest.mark.parametrize(
@@ -37,18 +37,23 @@ def test_names_that_are_no_keys_do_not_change(name):
     assert fmu_name(name) == name
 
 
-@pytest.mark.parametrize("key", BOTH)
+@pytest.mark.parametrize("key", FMU_NAMES)
 def test_values_sweeps_fits_and_derivatives_take_the_key(key):
     scene, value = walled(), 0.37
-    changed = scene.with_values({key: value})
-    assert changed == scene.with_values({BOTH[key]: value}) != scene
+    changed_scene = scene.with_values({key: value})
+    assert changed_scene == scene.with_values({FMU_NAMES[key]: value}) != scene
     rows = sweep(scene.with_values({"simulation.stop_time": 0.01}), {key: [value]})
-    assert rows[BOTH[key]].tolist() == [value]
-    (free,) = parameters_of([changed], [key], [], {key: (0.1, 0.9)})
-    assert (free.name, free.start, free.low, free.high) == (BOTH[key], value, 0.1, 0.9)
+    assert rows[FMU_NAMES[key]].tolist() == [value]
+    (parameter,) = parameters_of([changed_scene], [key], [], {key: (0.1, 0.9)})
+    assert (parameter.name, parameter.start, parameter.low, parameter.high) == (
+        FMU_NAMES[key],
+        value,
+        0.1,
+        0.9,
+    )
     if key.startswith("stops"):
         result = simulate(scene, 0.01, sensitivities=[key])
-        assert list(result.sensitivities.parameters) == [BOTH[key]]
+        assert list(result.sensitivities.parameters) == [FMU_NAMES[key]]
 
 
 @pytest.mark.parametrize(
@@ -81,9 +86,9 @@ def test_an_error_has_the_parts_of_its_message():
         parse_scene("name = 1\n[chain]\nlinks = []", "one.toml")
     error = caught.value
     assert (error.source, error.name, error.line) == ("one.toml", "name", 1)
-    (other,) = error.others
-    assert (other.source, other.name, other.line) == ("", "chain.links", 3)
+    (second_error,) = error.others
+    assert (second_error.source, second_error.name, second_error.line) == ("", "chain.links", 3)
     assert (
         str(error)
-        == f"one.toml: name {error.fault} (at line 1); 1 more: chain.links {other.fault} (at line 3)"
+        == f"one.toml: name {error.fault} (at line 1); 1 more: chain.links {second_error.fault} (at line 3)"
     )

@@ -51,7 +51,7 @@ def test_values_by_their_names():
 
 
 @pytest.mark.parametrize(
-    ("own", "found"),
+    ("material", "expected"),
     [
         ({}, (0.3, 0.4)),
         ({"friction": 0.5}, (0.5, 0.0)),
@@ -60,9 +60,9 @@ def test_values_by_their_names():
         ({"friction": 0.0}, (0.0, 0.0)),
     ],
 )
-def test_a_wall_with_its_own_sliding_friction_has_its_own_static_one(own, found):
+def test_a_wall_with_its_own_sliding_friction_has_its_own_static_one(material, expected):
     contact = sled(**{"contact.friction": 0.3, "contact.static_friction": 0.4}).contact
-    assert coefficients(contact, Material(**own)) == found
+    assert coefficients(contact, Material(**material)) == expected
 
 
 def test_parts_with_friction_are_listed():

@@ -52,7 +52,9 @@ junk = st.recursive(
     | st.text()
     | st.binary()
     | st.dates(),
-    lambda inner: st.lists(inner, max_size=5) | st.dictionaries(st.text() | st.integers(), inner, max_size=3),
+    lambda values: (
+        st.lists(values, max_size=5) | st.dictionaries(st.text() | st.integers(), values, max_size=3)
+    ),
     max_leaves=8,
 )
 
@@ -106,6 +108,6 @@ def test_an_error_keeps_its_parts_in_another_process(key):
     with pytest.raises(SceneError) as caught:
         load_scene("pinned_arm").with_values({key: -1.0})
     error = caught.value
-    again = pickle.loads(pickle.dumps(error))
-    assert (type(again), vars(again), str(again)) == (type(error), vars(error), str(error))
+    unpickled = pickle.loads(pickle.dumps(error))
+    assert (type(unpickled), vars(unpickled), str(unpickled)) == (type(error), vars(error), str(error))
     assert error.args == (str(error),)

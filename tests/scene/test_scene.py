@@ -55,8 +55,8 @@ def test_numbers_and_arrays_of_other_libraries_are_taken():
     assert values == (2.0, 0.5, -9.75)
     assert set(map(type, values)) == {float}
     box, angles = load_scene("four_link_box"), np.linspace(0.1, 0.4, 4)
-    found = box.with_values({"initial.angles": angles, "contact.restitution": np.float64(0.5)})
-    assert found == box.with_values({"initial.angles": angles.tolist(), "contact.restitution": 0.5})
+    result = box.with_values({"initial.angles": angles, "contact.restitution": np.float64(0.5)})
+    assert result == box.with_values({"initial.angles": angles.tolist(), "contact.restitution": 0.5})
     assert {with_values(box, {("contact", "points"): [4, 2, 0, 1, 3]})} == {box}
 
 
@@ -148,13 +148,13 @@ def test_a_chain_has_at_most_a_thousand_links():
 
 def test_with_values_changes_only_what_it_is_told():
     scene = load_scene("four_link_box")
-    before = scene_to_dict(scene)
-    changed = with_values(scene, {("contact", "stiffness"): 1e9, ("chain", "links", 0, "mass"): 2})
-    expected = copy.deepcopy(before)
+    data = scene_to_dict(scene)
+    changed_scene = with_values(scene, {("contact", "stiffness"): 1e9, ("chain", "links", 0, "mass"): 2})
+    expected = copy.deepcopy(data)
     expected["contact"]["stiffness"], expected["chain"]["links"][0]["mass"] = 1e9, 2.0
-    assert scene_to_dict(changed) == expected
-    assert scene_to_dict(scene) == before
-    opened = with_values(changed, {("box", "x_max"): None, ("chain", "links", 0, "inertia"): None})
+    assert scene_to_dict(changed_scene) == expected
+    assert scene_to_dict(scene) == data
+    opened = with_values(changed_scene, {("box", "x_max"): None, ("chain", "links", 0, "inertia"): None})
     assert opened.box.x_max is None
     assert opened.chain.links[0].inertia == pytest.approx(2.0 * 0.25 / 12)
 
@@ -164,7 +164,7 @@ def test_with_values_changes_only_what_it_is_told():
 
 def test_a_value_is_changed_by_the_name_of_its_parameter_or_by_its_key():
     scene = load_scene("four_link_box")
-    both = {
+    changes = {
         "link[1].mass": (("chain", "links", 0, "mass"), 2),
         "gravity.y": (("gravity", 1), -1.62),
         "initial.vx": (("initial", "velocity", 0), 3.0),
@@ -174,9 +174,13 @@ def test_a_value_is_changed_by_the_name_of_its_parameter_or_by_its_key():
         "inputs.tip_force": (("inputs", "tip_force"), True),
         "box.x_min": (("box", "x_min"), None),
     }
-    changed = scene.with_values({name: value for name, (_, value) in both.items()})
-    assert changed == scene.with_values(dict(both.values())) == with_values(scene, dict(both.values()))
-    assert changed != scene
+    changed_scene = scene.with_values({name: value for name, (_, value) in changes.items()})
+    assert (
+        changed_scene
+        == scene.with_values(dict(changes.values()))
+        == with_values(scene, dict(changes.values()))
+    )
+    assert changed_scene != scene
 
 
 def test_a_law_and_a_method_have_a_name_and_a_number():
@@ -240,7 +244,9 @@ def test_an_unknown_name_is_a_key_that_is_missing():
 )
 def test_an_error_in_a_file_names_the_path_of_the_key(line, message):
     key = line.partition(" = ")[0]
-    text = "\n".join([line, *(one for one in MINIMAL.splitlines() if not one.startswith(f"{key} = "))])
+    text = "\n".join(
+        [line, *(other_line for other_line in MINIMAL.splitlines() if not other_line.startswith(f"{key} = "))]
+    )
     assert refusal(parse_scene, text, SOURCE).startswith(f"{SOURCE}: {message}")
 
 

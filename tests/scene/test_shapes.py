@@ -59,9 +59,11 @@ def test_a_written_box_is_a_box_unless_all_that_is_derived_is_given():
     plain = scene_to_dict(brick())
     assert plain["chain"]["links"][0]["points"] == [{"x": 0.15, "y": 0.06, "radius": 0.01, "name": "knob"}]
     assert scene_from_dict(plain, "again") == brick()
-    given = scene_from_dict(scene_to_dict(brick(), derived=True), "given").chain.links[0]
-    assert given.shape is given.height is None
-    assert [site.x for site in given.points] == [site.x for site in brick().chain.links[0].points]
+    link_with_all_values = scene_from_dict(scene_to_dict(brick(), derived=True), "brick").chain.links[0]
+    assert link_with_all_values.shape is link_with_all_values.height is None
+    assert [site.x for site in link_with_all_values.points] == [
+        site.x for site in brick().chain.links[0].points
+    ]
 
 
 def test_a_corner_is_no_parameter():
@@ -88,11 +90,11 @@ def test_an_index_below_0_counts_from_the_end():
 
 def test_a_sweep_moves_the_corners_as_a_changed_scene_does():
     heights = [0.1, 0.15]
-    found = sweep(brick(), {"link[1].height": heights}, outputs=["link[1].angle", "point[5].y"])
-    for row, height in enumerate(heights):
+    rows = sweep(brick(), {"link[1].height": heights}, outputs=["link[1].angle", "point[5].y"])
+    for k, height in enumerate(heights):
         run = simulate(brick(**{"link[1].height": height}))
-        assert found["link[1].angle"][row] == run["link[1].angle"][-1]
-        assert found["point[5].y"][row] == run["point[5].y"][-1]
+        assert rows["link[1].angle"][k] == run["link[1].angle"][-1]
+        assert rows["point[5].y"][k] == run["point[5].y"][-1]
 
 
 def test_derivatives_move_the_corners_too():
@@ -115,18 +117,18 @@ def test_a_fitted_box_stays_a_box_in_its_file():
 
 
 def test_a_height_is_fitted():
-    truth = simulate(brick(**{"link[1].height": 0.12}), 0.35, output_step=0.01)
-    data = {"time": truth.time[1:], "point[3].y": truth["point[3].y"][1:]}
-    found = fit(brick(), data, ["link[1].height"])
-    assert found.values["link[1].height"] == pytest.approx(0.12, rel=1e-6)
+    measured = simulate(brick(**{"link[1].height": 0.12}), 0.35, output_step=0.01)
+    data = {"time": measured.time[1:], "point[3].y": measured["point[3].y"][1:]}
+    result = fit(brick(), data, ["link[1].height"])
+    assert result.values["link[1].height"] == pytest.approx(0.12, rel=1e-6)
 
 
 def test_a_centre_of_mass_may_lie_behind_its_joint():
     """The centre of mass may also be at −1 m: no number stands for a value that is not given."""
     scene = load_scene("simple_pendulum")
-    ahead, behind = (
+    scene_ahead, scene_behind = (
         scene.with_values({"link[1].center_of_mass": c, "initial.angles": [angle]})
         for c, angle in ((1.0, 0.3), (-1.0, 0.3 + np.pi))
     )
-    runs = [simulate(one, 2.0) for one in (ahead, behind)]
+    runs = [simulate(scene_of_side, 2.0) for scene_of_side in (scene_ahead, scene_behind)]
     np.testing.assert_allclose(runs[1].angles, runs[0].angles + np.pi, rtol=0.0, atol=1e-9)

@@ -21,13 +21,15 @@ RADIUS = 0.02
     ],
 )
 def test_a_sphere_on_a_plane_of_its_own_material(young, poisson, expected):
-    found = sphere_plane_stiffness(RADIUS, young, poisson, young, poisson)
-    assert found == pytest.approx(expected, rel=0.01)
+    result = sphere_plane_stiffness(RADIUS, young, poisson, young, poisson)
+    assert result == pytest.approx(expected, rel=0.01)
 
 
 def test_a_rigid_plane_doubles_the_stiffness_and_the_order_does_not_matter():
-    alike = sphere_plane_stiffness(RADIUS, *STEEL, *STEEL)
-    assert sphere_plane_stiffness(RADIUS, *STEEL, 1e30, 0.3) == pytest.approx(2 * alike, rel=1e-12)
+    of_equal_materials = sphere_plane_stiffness(RADIUS, *STEEL, *STEEL)
+    assert sphere_plane_stiffness(RADIUS, *STEEL, 1e30, 0.3) == pytest.approx(
+        2 * of_equal_materials, rel=1e-12
+    )
     pair = sphere_plane_stiffness(RADIUS, *STEEL, 3e9, 0.4)
     assert sphere_plane_stiffness(RADIUS, 3e9, 0.4, *STEEL) == pytest.approx(pair, rel=1e-14)
     assert sphere_plane_stiffness(4 * RADIUS, 3e9, 0.4, *STEEL) == pytest.approx(2 * pair, rel=1e-14)
@@ -45,7 +47,7 @@ def test_a_steel_ball_touches_as_long_as_in_the_textbook():
 
 
 @pytest.mark.parametrize(
-    ("changed", "message"),
+    ("changes", "message"),
     [
         ({"radius": 0.0}, r"radius = 0\.0 must be a finite number > 0"),
         ({"radius": math.inf}, "radius = inf"),
@@ -55,15 +57,17 @@ def test_a_steel_ball_touches_as_long_as_in_the_textbook():
         ({"poisson_2": -1.0}, r"poisson_2 = -1\.0"),
     ],
 )
-def test_values_that_are_no_material_are_refused(changed, message):
+def test_values_that_are_no_material_are_refused(changes, message):
     values = {"radius": RADIUS, "young_1": 1e9, "poisson_1": 0.3, "young_2": 1e9, "poisson_2": 0.3}
     with pytest.raises(ValueError, match=message):
-        sphere_plane_stiffness(**values | changed)
+        sphere_plane_stiffness(**values | changes)
 
 
 def test_a_modulus_in_gigapascals_is_asked_about():
-    with pytest.warns(SceneWarning, match=r"^young_1 = 207 Pa is softer than a gel: is it in GPa\?$") as told:
+    with pytest.warns(
+        SceneWarning, match=r"^young_1 = 207 Pa is softer than a gel: is it in GPa\?$"
+    ) as caught:
         sphere_plane_stiffness(RADIUS, 207, 0.3, 207e9, 0.3)
-    assert told[0].filename == __file__
+    assert caught[0].filename == __file__
     with pytest.warns(SceneWarning, match=r"^radius = 20 m: is it in mm\?$"):
         sphere_plane_stiffness(20, 207e9, 0.3, 207e9, 0.3)

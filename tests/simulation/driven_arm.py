@@ -30,7 +30,7 @@ def arm(**inputs):
     return with_values(scene, {("inputs", name): value for name, value in inputs.items()})
 
 
-def exact(scene, torques, tip_force, times, breaks=()):
+def reference_motion(scene, torques, tip_force, times, breaks=()):
     """Return angles and their rates, shape (T, 4), by the assembled equations of motion and scipy at 1e-12.
 
     Args:
@@ -52,10 +52,10 @@ def exact(scene, torques, tip_force, times, breaks=()):
     y = np.array([*scene.initial.angles, *scene.initial.angular_velocities])
     rows, edges = [y], [times[0], *breaks, times[-1]]
     for start, end in itertools.pairwise(edges):
-        inside = times[(times > start) & (times <= end)]
-        # a step signal is evaluated inside its piece, not at the ends
+        times_of_piece = times[(times > start) & (times <= end)]
+        # the ends of a piece are left out, because a step signal changes there
         first, last = start + 1e-12 * (end - start), end - 1e-12 * (end - start)
-        done = solve_ivp(
+        solution = solve_ivp(
             lambda t, y, first=first, last=last: rate(min(max(t, first), last), y),
             (start, end),
             y,
@@ -64,8 +64,8 @@ def exact(scene, torques, tip_force, times, breaks=()):
             atol=1e-13,
             dense_output=True,
         )
-        rows.extend(done.sol(inside).T)
-        y = done.y[:, -1]
+        rows.extend(solution.sol(times_of_piece).T)
+        y = solution.y[:, -1]
     return np.array(rows)
 
 

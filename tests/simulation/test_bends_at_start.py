@@ -47,37 +47,41 @@ SMOOTH = {
 
 
 def by_time(case):
-    """Return the derivative by a time, the quotients of differences to each side, and the sentences on it."""
-    one, numbers, key = case
+    """Return the derivative of an angle by a time, one-sided differences to both sides, and sentences.
+
+    The first three have shape (T,) [rad/s]: the derivative, then the differences for earlier and later times.
+    The sentences are the limits of derivatives that name this time.
+    """
+    input_name, numbers, key = case
     scene, parameter = (
-        parse_scene(f'{ARM}\n[signals.drive]\ninput = "{one}"\n{numbers}\n', "x"),
+        parse_scene(f'{ARM}\n[signals.drive]\ninput = "{input_name}"\n{numbers}\n', "x"),
         f"signal.drive.{key}",
     )
     run = simulate(scene, 0.4, tolerance=1e-12, sensitivities=["link[1].mass", parameter])
     h, value, output = 1e-5, scene.values[parameter], "link[2].angle"
 
-    def changed(by):
-        return simulate(scene.with_values({parameter: value + by}), 0.4, tolerance=1e-12)[output]
+    def changed(shift):
+        return simulate(scene.with_values({parameter: value + shift}), 0.4, tolerance=1e-12)[output]
 
     sides = [(4.0 * changed(k * h) - 3.0 * changed(0.0) - changed(2 * k * h)) / (2 * k * h) for k in (-1, 1)]
-    told = [sentence for sentence in run.sensitivity_limits if parameter in sentence]
-    return run.sensitivity(output, parameter), *sides, told
+    sentences = [sentence for sentence in run.sensitivity_limits if parameter in sentence]
+    return run.sensitivity(output, parameter), *sides, sentences
 
 
 @pytest.mark.parametrize("name", ACCELERATION_JUMPS)
 def test_where_a_signal_bends_the_derivative_is_for_an_earlier_time(name):
-    found, earlier, later, told = by_time(ACCELERATION_JUMPS[name])
-    np.testing.assert_allclose(found, earlier, rtol=0.0, atol=1e-6)
-    assert np.abs(later - earlier).max() > 1e-2
-    assert len(told) == 1
+    result, earlier_slope, later_slope, sentences = by_time(ACCELERATION_JUMPS[name])
+    np.testing.assert_allclose(result, earlier_slope, rtol=0.0, atol=1e-6)
+    assert np.abs(later_slope - earlier_slope).max() > 1e-2
+    assert len(sentences) == 1
 
 
 @pytest.mark.parametrize("name", SMOOTH)
 def test_where_a_signal_does_not_bend_the_derivative_is_for_both(name):
-    found, earlier, later, told = by_time(SMOOTH[name])
-    np.testing.assert_allclose(found, earlier, rtol=0.0, atol=1e-6)
-    np.testing.assert_allclose(found, later, rtol=0.0, atol=1e-6)
-    assert told == []
+    result, earlier_slope, later_slope, sentences = by_time(SMOOTH[name])
+    np.testing.assert_allclose(result, earlier_slope, rtol=0.0, atol=1e-6)
+    np.testing.assert_allclose(result, later_slope, rtol=0.0, atol=1e-6)
+    assert sentences == []
 
 
 @pytest.mark.parametrize("output", ["link[1].angle", "wall.table.acceleration"])

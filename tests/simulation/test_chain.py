@@ -26,7 +26,7 @@ def arm():
 
 
 def drive(chain, times, signal):
-    """Hold each value of a signal until the next time; return all outputs at the times."""
+    """Hold each value of a signal until the next time; return the outputs, shape (T, number of names)."""
     names = simulate(chain.scene, 1e-3).names
     rows = []
     for time in times:
@@ -75,21 +75,21 @@ def test_a_recorded_run_is_the_result_of_simulate(arm, tmp_path):
     result = simulate(arm, inputs={TORQUE: signal}, interpolation="hold")
     chain = Chain(arm, record=True)
     chain.set(TORQUE, signal(0.0))
-    for before, time in itertools.pairwise(result.time.tolist()):
-        chain.set(TORQUE, signal(before))
+    for start, time in itertools.pairwise(result.time.tolist()):
+        chain.set(TORQUE, signal(start))
         chain.step_to(time)
     recorded = chain.result()
-    others = {FORCE: 0.0, "joint[1].torque": 0.0, "tip.force.y": 0.0}
-    assert {*recorded.names} == {*result.names, *others}
+    other_inputs = {FORCE: 0.0, "joint[1].torque": 0.0, "tip.force.y": 0.0}
+    assert {*recorded.names} == {*result.names, *other_inputs}
     for name in ("time", *result.names):
         assert recorded[name].tobytes() == result[name].tobytes(), name
     assert recorded.impacts.tobytes() == result.impacts.tobytes()
     assert (recorded.statistics, recorded.scene) == (result.statistics, result.scene)
     recorded.plot(tmp_path / "run.svg")
     assert pickle.loads(pickle.dumps(chain)).result() == recorded
-    some = Chain(arm, record=["joint[*].torque", "energy.total"])
-    some.step(0.1)
-    assert some.result().names == ("energy.total", "joint[1].torque", TORQUE)
+    chain_of_some = Chain(arm, record=["joint[*].torque", "energy.total"])
+    chain_of_some.step(0.1)
+    assert chain_of_some.result().names == ("energy.total", "joint[1].torque", TORQUE)
     assert "create Chain(…, record=True)" in refusal(Chain(arm).result)
     with pytest.raises(KeyError, match=r"energy.totl is not an output; the nearest is energy.total"):
         Chain(arm, record="energy.totl")
@@ -114,8 +114,8 @@ def test_rows_follow_restored_states_and_set_values(arm):
     assert chain.result().time.tolist() == [0.1, 0.2]
     chain.reset()
     chain.set({"link[1].mass": 3.0, "contact.model": "flores"})
-    changed = chain.result().scene
-    assert changed == arm.with_values({"link[1].mass": 3.0, "contact.model": "flores"})
+    changed_scene = chain.result().scene
+    assert changed_scene == arm.with_values({"link[1].mass": 3.0, "contact.model": "flores"})
 
 
 def test_many_impacts_in_one_step_are_all_collected():
@@ -143,7 +143,7 @@ def test_looking_at_impacts_changes_nothing():
 
 @pytest.mark.parametrize("split", [150, 186])  # in flight, and in the first contact
 def test_a_state_is_continued_bit_by_bit(arm, split):
-    chain, other = Chain(arm), Chain(arm)
+    chain, other_chain = Chain(arm), Chain(arm)
     times = [2e-3 * k for k in range(1, 251)]
     drive(chain, times[:split], signal)
     state, impacts = chain.save(), chain.impacts
@@ -154,9 +154,9 @@ def test_a_state_is_continued_bit_by_bit(arm, split):
     assert chain.impacts.tobytes() == impacts.tobytes()
     assert chain.time == times[split - 1]
     assert drive(chain, times[split:], signal).tobytes() == first.tobytes()
-    other.restore(state)
-    assert drive(other, times[split:], signal).tobytes() == first.tobytes()
-    assert chain.save() == other.save() == ended
+    other_chain.restore(state)
+    assert drive(other_chain, times[split:], signal).tobytes() == first.tobytes()
+    assert chain.save() == other_chain.save() == ended
 
 
 def test_reset_goes_back_to_the_scene(arm):
@@ -211,8 +211,8 @@ def test_get_gives_numbers_and_arrays():
     assert type(chain.get("impact.count")) is int
     assert chain.get("impact.last_point") == -1
     assert chain.get("contact.model") == CONTACT_LAWS[chain.scene.contact.model].number
-    several = chain.get(["point[0].x", "impact.last_point", "link[2].mass"])
-    assert several.tolist() == [0.6, -1.0, 1.0]
+    values = chain.get(["point[0].x", "impact.last_point", "link[2].mass"])
+    assert values.tolist() == [0.6, -1.0, 1.0]
     assert chain.get("link[*].mass").tolist() == [1.0] * 4
     assert chain.get(["initial.x", "link[*].length"]).shape == (5,)
     assert {"point[0].x", "contact.stiffness", "impact.count"} <= set(chain.names)
@@ -238,9 +238,9 @@ def chain_at(scene, time):
 def test_a_set_value_acts_from_the_present_time(arm):
     chain = Chain(arm)
     chain.step(0.1)
-    before = chain.get("link[2].angular_acceleration")
+    acceleration = chain.get("link[2].angular_acceleration")
     chain.set({TORQUE: 5.0})
-    assert chain.get("link[2].angular_acceleration") > before + 1.0
+    assert chain.get("link[2].angular_acceleration") > acceleration + 1.0
     steps = chain.get("solver.steps")
     chain.set({TORQUE: 5.0, "contact.restitution": 0.25, "contact.model": 1})
     chain.step(1e-9)
@@ -366,7 +366,7 @@ def in_first_impact(part, **contact):
 
 def test_a_law_that_is_refused_and_taken_back_changes_no_contact():
     chain, first = in_first_impact(0.2, model="hunt_crossley")
-    before = chain.get("energy.total")
+    energy = chain.get("energy.total")
     chain.set({"contact.model": "tsuji", "contact.restitution": 0.0})
     refused = (
         "FourLinkBox: at t = .* s the values that are set cannot take effect: the contact law does not allow"
@@ -375,7 +375,7 @@ def test_a_law_that_is_refused_and_taken_back_changes_no_contact():
         chain.get("energy.total")
     assert len(chain.impacts) == 1  # impacts before the failure remain
     chain.set({"contact.model": "hunt_crossley", "contact.restitution": 0.7})
-    assert chain.get("energy.total") == before
+    assert chain.get("energy.total") == energy
     chain.step(0.01)
     assert chain.impacts[0]["peak_force"] == pytest.approx(first["peak_force"], rel=1e-6)
 
@@ -409,11 +409,11 @@ def test_inputs_that_change_lose_no_force_of_a_rigid_wall():
     scene = load_scene("four_link_box").with_values(
         {"contact.model": "newton_impact", "contact.restitution": 0.0, "inputs.tip_force": True}
     )
-    held, touched = Chain(scene), Chain(scene)
+    held_chain, touched_chain = Chain(scene), Chain(scene)
     for k in range(1, 120):
-        held.step_to(5e-3 * k)
-        touched.step_to(5e-3 * k)
-        touched.set({"tip.force.x": 1e-12 * (k % 2)})
-    expected, found = held.impacts[0], touched.impacts[0]
-    assert np.isfinite(expected["peak_force"])
-    assert found["peak_force"] == pytest.approx(expected["peak_force"], rel=1e-3)
+        held_chain.step_to(5e-3 * k)
+        touched_chain.step_to(5e-3 * k)
+        touched_chain.set({"tip.force.x": 1e-12 * (k % 2)})
+    expected_impact, impact = held_chain.impacts[0], touched_chain.impacts[0]
+    assert np.isfinite(expected_impact["peak_force"])
+    assert impact["peak_force"] == pytest.approx(expected_impact["peak_force"], rel=1e-3)

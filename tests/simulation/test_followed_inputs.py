@@ -10,9 +10,9 @@ import pytest
 from chain_impact import load_scene, simulate
 from chain_impact.scene.scene import SceneError, with_values
 from tests.helpers.tools.differences import slope
-from tests.simulation.driven_arm import ELBOW, SHOULDER, STOP, arm, exact, motion, push, wave
+from tests.simulation.driven_arm import ELBOW, SHOULDER, STOP, arm, motion, push, reference_motion, wave
 
-DRAWN = iter(np.random.default_rng(1).uniform, None)
+RANDOM_NUMBERS = iter(np.random.default_rng(1).uniform, None)
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10)
 
 
@@ -37,7 +37,7 @@ def fast(time):
 def test_a_function_is_followed_to_the_tolerance(torque, method):
     breaks = () if torque in (wave, fast) else (0.123,)
     times = np.arange(41) * 0.01
-    expected = exact(
+    expected = reference_motion(
         arm(tip_force=True), lambda t: (torque(t), 0.0), lambda t: (push(t), 0.0), times, breaks=breaks
     )
     for tolerance in TOLERANCES if method == "explicit" else TOLERANCES[:2]:
@@ -57,25 +57,25 @@ def test_the_result_does_not_depend_on_the_rows_through_impacts(law):
         load_scene("pinned_arm"), {("contact", "model"): law, ("simulation", "stop_time"): 1.0}
     )
     inputs = {SHOULDER: wave, ELBOW: kinked}
-    every, *others = (
+    coarse, *results = (
         simulate(scene, output_step=step, inputs=inputs) for step in (0.1, 1e-4, 1e-3, 2e-3, 0.02)
     )
-    assert len(every.impacts) > 0
-    for other in others:
-        np.testing.assert_allclose(motion(other)[-1], motion(every)[-1], rtol=0, atol=1e-12)
-        assert other.statistics == every.statistics
+    assert len(coarse.impacts) > 0
+    for result in results:
+        np.testing.assert_allclose(motion(result)[-1], motion(coarse)[-1], rtol=0, atol=1e-12)
+        assert result.statistics == coarse.statistics
         for name in ("onset", "impulse", "peak_force"):
-            np.testing.assert_allclose(other.impacts[name], every.impacts[name], rtol=1e-12)
+            np.testing.assert_allclose(result.impacts[name], coarse.impacts[name], rtol=1e-12)
 
 
 @pytest.mark.full("takes long")
 def test_a_row_has_the_accelerations_of_the_input_at_its_time():
     scene = with_values(arm(), {("solver", "tolerance"): 1e-10})
-    followed = simulate(scene, output_step=0.05, inputs={SHOULDER: wave})
-    held = simulate(scene, output_step=2e-5, inputs={SHOULDER: wave}, interpolation="hold")
+    followed_run = simulate(scene, output_step=0.05, inputs={SHOULDER: wave})
+    held_run = simulate(scene, output_step=2e-5, inputs={SHOULDER: wave}, interpolation="hold")
     np.testing.assert_allclose(
-        followed.outputs["angular_acceleration"],
-        held.outputs["angular_acceleration"][::2500],
+        followed_run.outputs["angular_acceleration"],
+        held_run.outputs["angular_acceleration"][::2500],
         rtol=0,
         atol=0.02,
     )
@@ -85,32 +85,29 @@ def test_a_derivative_is_for_a_constant_added_to_the_function():
     scene = with_values(load_scene("pinned_arm"), {("simulation", "stop_time"): 0.9})
     scene = with_values(scene, {("solver", "tolerance"): 1e-11})
 
-    def shifted(by):
-        inputs = {SHOULDER: lambda t: wave(t) + by, ELBOW: switched}
+    def shifted(shift):
+        inputs = {SHOULDER: lambda t: wave(t) + shift, ELBOW: switched}
         return simulate(scene, output_step=0.1, inputs=inputs)
 
-    result = simulate(
-        scene, output_step=0.1, inputs={SHOULDER: wave, ELBOW: switched}, sensitivities=[SHOULDER]
-    )
-    assert len(result.impacts) > 0
-    slopes = slope(lambda by: motion(shifted(by)), 0.0, 1e-5)
-    found = np.stack(
+    run = simulate(scene, output_step=0.1, inputs={SHOULDER: wave, ELBOW: switched}, sensitivities=[SHOULDER])
+    assert len(run.impacts) > 0
+    slopes = slope(lambda shift: motion(shifted(shift)), 0.0, 1e-5)
+    result = np.stack(
         [
-            result.sensitivity(f"link[{i}].{name}", SHOULDER)
+            run.sensitivity(f"link[{i}].{name}", SHOULDER)
             for name in ("angle", "angular_velocity")
             for i in (1, 2)
         ],
         axis=1,
     )
-    np.testing.assert_allclose(found, slopes, rtol=1e-5, atol=1e-6 * np.abs(slopes).max())
-    np.testing.assert_array_equal(result.outputs["angle"], shifted(0.0).outputs["angle"])
+    np.testing.assert_allclose(result, slopes, rtol=1e-5, atol=1e-6 * np.abs(slopes).max())
+    np.testing.assert_array_equal(run.outputs["angle"], shifted(0.0).outputs["angle"])
 
 
 def test_a_piece_costs_no_restart():
-    """The number of evaluations is at most 1.7 times that of a run without inputs."""
     scene = arm()
-    free, followed = simulate(scene), simulate(scene, inputs={SHOULDER: wave})
-    assert followed.statistics["rhs_evaluations"] < 1.7 * free.statistics["rhs_evaluations"]
+    without_inputs, with_torque = simulate(scene), simulate(scene, inputs={SHOULDER: wave})
+    assert with_torque.statistics["rhs_evaluations"] < 1.7 * without_inputs.statistics["rhs_evaluations"]
 
 
 class Counted:
@@ -142,12 +139,12 @@ def modulated(frequency):
 
 def noise(_time):
     """Return a torque [N·m] that differs at each call."""
-    return next(DRAWN)
+    return next(RANDOM_NUMBERS)
 
 
 @pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize(
-    ("torque", "most"),
+    ("torque", "max_calls"),
     [
         (table(50), 20_000),
         (table(200), 70_000),
@@ -157,10 +154,10 @@ def noise(_time):
     ],
     ids=["50 knots", "200 knots", "200 Hz", "kink", "jump"],
 )
-def test_jumps_and_kinks_are_located_with_few_calls(torque, most):
+def test_jumps_and_kinks_are_located_with_few_calls(torque, max_calls):
     counted = Counted(torque)
     simulate(arm(), output_step=0.1, inputs={SHOULDER: counted})
-    assert counted.calls <= most
+    assert counted.calls <= max_calls
 
 
 def test_a_table_in_a_function_is_as_good_as_samples():

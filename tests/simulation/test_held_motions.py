@@ -31,7 +31,7 @@ def test_more_rows_leave_a_held_motion_as_it_is(names):
     points = np.isin(times, result.time)
     for name, values in result.continuous_columns.items():
         np.testing.assert_array_equal(dense[name][points], values)
-    # the cubic of a step is the one that its ends' positions and velocities determine
+    # within a step, the base follows the cubic through the positions and velocities at its ends
     k = np.maximum(np.searchsorted(result.time, times) - 1, 0)
     step = result.time[k + 1] - result.time[k]
     x = (times - result.time[k]) / step

@@ -11,10 +11,10 @@ from scipy.interpolate import CubicSpline
 
 from chain_impact import SceneWarning, UnknownNameError, load_scene, simulate
 from chain_impact.scene.scene import SceneError, scene_from_dict, scene_to_dict, with_values
-from tests.simulation.driven_arm import ELBOW, SHOULDER, STOP, arm, exact, motion, push, wave
+from tests.simulation.driven_arm import ELBOW, SHOULDER, STOP, arm, motion, push, reference_motion, wave
 
 
-def nothing(_time):
+def no_force(_time):
     return (0.0, 0.0)
 
 
@@ -31,7 +31,7 @@ def test_samples_that_are_held_act_as_steps_of_torque():
     def torques(time):
         return values[np.searchsorted(times, time, side="right") - 1], 0.7
 
-    expected = exact(scene, torques, nothing, fine.time, breaks=times[1:])
+    expected = reference_motion(scene, torques, no_force, fine.time, breaks=times[1:])
     np.testing.assert_allclose(motion(fine), expected, rtol=0, atol=1e-9)
     assert coarse.time.tolist() == [0.0, 0.1, 0.2, 0.1 * 3, 0.4]
     np.testing.assert_allclose(motion(coarse), motion(fine)[::10], rtol=0, atol=1e-12)
@@ -46,7 +46,7 @@ def test_a_function_is_held_between_communication_points():
     def last(time):
         return math.floor(time / 0.02) * 0.02
 
-    expected = exact(
+    expected = reference_motion(
         scene,
         lambda time: (0.0, wave(last(time))),
         lambda time: (push(last(time)), 0.0),
@@ -60,7 +60,7 @@ def test_a_function_is_held_between_communication_points():
 def test_lines_are_followed_to_second_order_and_steps_to_first():
     scene = arm(tip_force=True)
     signals = {SHOULDER: wave, "tip.force.y": push}
-    expected = exact(
+    expected = reference_motion(
         scene, lambda time: (wave(time), 0.0), lambda time: (0.0, push(time)), np.array([0.0, STOP])
     )[-1]
 
@@ -106,19 +106,19 @@ def test_inputs_of_zero_change_nothing():
 
 
 def test_a_constant_costs_no_restarts():
-    """The constant is given in any form; the first sample also acts before its time."""
+    """The constant is given in several forms; the first sample also acts before its time."""
     scene = load_scene("pinned_arm")
-    once = simulate(scene, inputs={SHOULDER: 1.5})
-    assert once.statistics["steps"] < 200
+    expected = simulate(scene, inputs={SHOULDER: 1.5})
+    assert expected.statistics["steps"] < 200
     for signal in (
         lambda _: 1.5,
         ([0.5, 0.7], [1.5, 1.5]),
         (np.array([1]), np.array([1.5])),
         np.float32(1.5),
     ):
-        again = simulate(scene, inputs={SHOULDER: signal})
-        assert again.outputs.tobytes() == once.outputs.tobytes()
-        assert again.statistics == once.statistics
+        result = simulate(scene, inputs={SHOULDER: signal})
+        assert result.outputs.tobytes() == expected.outputs.tobytes()
+        assert result.statistics == expected.statistics
 
 
 def test_samples_at_communication_points_but_for_round_off_add_none():
@@ -134,9 +134,9 @@ def test_samples_at_communication_points_but_for_round_off_add_none():
 
 def test_a_rows_forces_are_those_before_an_input_changes():
     torque = ([0.0, 0.2], [0.0, 50.0])
-    result, free = (simulate(arm(), 0.3, 0.1, inputs=inputs) for inputs in ({SHOULDER: torque}, {}))
+    result, without_torque = (simulate(arm(), 0.3, 0.1, inputs=inputs) for inputs in ({SHOULDER: torque}, {}))
     acceleration = result.outputs["angular_acceleration"][:, 0]
-    expected = free.outputs["angular_acceleration"][:, 0]
+    expected = without_torque.outputs["angular_acceleration"][:, 0]
     np.testing.assert_allclose(acceleration[:3], expected[:3], rtol=0, atol=1e-7)
     assert abs(acceleration[3] - expected[3]) > 10.0
 
@@ -154,16 +154,16 @@ def test_given_inputs_are_columns_of_the_result(interpolation, tmp_path):
     file = str(tmp_path / "torque.csv")
     table = {"input": [SHOULDER], "form": "table", "file": file, "interpolation": joined}
     result = simulate(arm(), 0.4, 0.1, inputs=inputs, interpolation=interpolation)
-    driven = simulate(with_values(arm(), {("signals", "push"): table}), 0.4, 0.1)
-    np.testing.assert_allclose(result[SHOULDER], driven[SHOULDER], rtol=0, atol=1e-12)
+    run_of_signal = simulate(with_values(arm(), {("signals", "push"): table}), 0.4, 0.1)
+    np.testing.assert_allclose(result[SHOULDER], run_of_signal[SHOULDER], rtol=0, atol=1e-12)
     called = np.array([0.0, 0.0, 0.1, 0.25, 0.3]) if interpolation == "hold" else result.time
     np.testing.assert_allclose(result[ELBOW], 3.0 * called, rtol=0, atol=1e-12)
     assert result.names[-2:] == (SHOULDER, ELBOW)
-    chosen = simulate(arm(), 0.4, 0.1, inputs=inputs, output=["*.torque", "energy.total"])
-    assert chosen.names == ("energy.total", SHOULDER, ELBOW)
-    curves = chosen.curves([SHOULDER])
+    chosen_result = simulate(arm(), 0.4, 0.1, inputs=inputs, output=["*.torque", "energy.total"])
+    assert chosen_result.names == ("energy.total", SHOULDER, ELBOW)
+    curves = chosen_result.curves([SHOULDER])
     assert (max(np.diff(curves.time)), curves.units) == (pytest.approx(0.1), {SHOULDER: "N.m"})
-    chosen.plot(tmp_path / "torques.svg", curves=["*.torque"])
+    chosen_result.plot(tmp_path / "torques.svg", curves=["*.torque"])
 
 
 @pytest.mark.parametrize("interpolation", ["hold", "linear", "spline"])
@@ -184,13 +184,13 @@ def test_two_rows_of_equal_time_are_a_jump(interpolation, tmp_path):
         return (float(curves[interpolation](time)) if time < 0.2037 else 0.5), 0.0
 
     result = simulate(arm(), 0.4, 0.005, inputs={SHOULDER: (times, values)}, interpolation=interpolation)
-    expected = exact(arm(), torque, nothing, result.time, breaks=np.unique(times)[1:-1])
+    expected = reference_motion(arm(), torque, no_force, result.time, breaks=np.unique(times)[1:-1])
     np.testing.assert_allclose(motion(result), expected, rtol=0, atol=1e-9)
     table = {"input": [SHOULDER], "form": "table", "file": str(file), "interpolation": interpolation}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SceneWarning)  # the last row is far from the others
-        driven = simulate(with_values(arm(), {("signals", "sine"): table}), 0.4, 0.005)
-    np.testing.assert_allclose(motion(driven), expected, rtol=0, atol=1e-9)
+        run_of_signal = simulate(with_values(arm(), {("signals", "sine"): table}), 0.4, 0.005)
+    np.testing.assert_allclose(motion(run_of_signal), expected, rtol=0, atol=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -204,16 +204,22 @@ def test_a_jump_outside_of_the_run_changes_no_line_within_it(times, values):
 
 
 @pytest.mark.parametrize(
-    ("scene", "inputs", "interpolation", "absent"),
+    ("scene", "inputs", "interpolation", "missing_name"),
     [
         ({"inputs.joint_targets": True}, "joint[1].target_angle", "follow", "joint[1].target_velocity"),
         ({"inputs.base_motion": True}, "base.y", "hold", "base.vy"),
     ],
 )
-def test_an_input_that_is_not_given_is_no_column_that_can_be_chosen(scene, inputs, interpolation, absent):
+def test_an_input_that_is_not_given_is_no_column_that_can_be_chosen(
+    scene, inputs, interpolation, missing_name
+):
     with pytest.raises(UnknownNameError, match="is not an output"):
         simulate(
-            with_values(arm(), scene), 0.1, inputs={inputs: 0.0}, interpolation=interpolation, output=absent
+            with_values(arm(), scene),
+            0.1,
+            inputs={inputs: 0.0},
+            interpolation=interpolation,
+            output=missing_name,
         )
 
 
@@ -227,8 +233,8 @@ def test_positions_and_velocities_of_a_base_do_not_jump(tmp_path):
     table = {"input": ["base.vy"], "form": "table", "file": str(tmp_path / "base.csv")}
     with pytest.raises(SceneError, match=r"two rows at 0.2 s make base.vy jump"):
         with_values(base, {("signals", "shake"): table})
-    moved = simulate(base, 0.4, 0.1, inputs={"base.ay": samples}, interpolation="linear")
-    assert moved["base.vy"][-1] == pytest.approx(0.2)
+    result = simulate(base, 0.4, 0.1, inputs={"base.ay": samples}, interpolation="linear")
+    assert result["base.vy"][-1] == pytest.approx(0.2)
 
 
 def test_a_given_motion_has_columns_of_its_derivatives():
@@ -238,8 +244,8 @@ def test_a_given_motion_has_columns_of_its_derivatives():
     exact_motion.append(5.0 * np.cos(5.0 * result.time))
     for name, values in zip(("base.y", "base.vy", "base.ay"), exact_motion, strict=True):
         np.testing.assert_allclose(result[name], values, rtol=0, atol=1e-9)
-    other = result.row_of_other_run({"link[1].mass": 2.0}, 0.2)
-    assert other["base.vy"] == pytest.approx(math.sin(1.0))
+    row_of_heavy_link = result.row_of_other_run({"link[1].mass": 2.0}, 0.2)
+    assert row_of_heavy_link["base.vy"] == pytest.approx(math.sin(1.0))
 
 
 # --- refused -----------------------------------------------------------------------------------------------

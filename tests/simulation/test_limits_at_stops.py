@@ -12,9 +12,11 @@ GRAZES = {"stops.model": "hertz", "stop.minimum_impact_speed": 1e-9, "solver.tol
 
 def straight(spin, bend, **values):
     """Return an arm without gravity, almost straight, that spins while its knee moves into its lower stop."""
-    still = {"gravity.x": 0.0, "gravity.y": 0.0, "initial.angle[1]": -1.0, "initial.angle[2]": -1.0 + 1e-4}
+    initial = {"gravity.x": 0.0, "gravity.y": 0.0, "initial.angle[1]": -1.0, "initial.angle[2]": -1.0 + 1e-4}
     return knee_scene(
-        **still, **{"initial.angular_velocity[1]": spin, "initial.angular_velocity[2]": spin - bend}, **values
+        **initial,
+        **{"initial.angular_velocity[1]": spin, "initial.angular_velocity[2]": spin - bend},
+        **values,
     )
 
 

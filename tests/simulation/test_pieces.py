@@ -10,12 +10,12 @@ from chain_impact.simulation.pieces import joined_points
 
 def test_points_that_are_held_or_joined_make_as_few_pieces_as_may_be():
     times, values = np.arange(6.0), np.array([[1.0], [1.0], [3.0], [3.0], [3.0], [0.0]])
-    held, joined = (joined_points(times, values, is_linear=lines) for lines in (False, True))
-    assert held.start.tolist() == [0.0, 2.0]
-    assert held.powers[:, 0, 0].tolist() == [1.0, 3.0]
-    assert joined.start.tolist() == [0.0, 1.0, 2.0, 4.0]
-    assert joined.jumps.tolist() == [True, False, False, False]
-    assert [joined.settings(k)["degree"] for k in range(4)] == [0, 1, 0, 1]
+    held_pieces, joined_pieces = (joined_points(times, values, is_linear=lines) for lines in (False, True))
+    assert held_pieces.start.tolist() == [0.0, 2.0]
+    assert held_pieces.powers[:, 0, 0].tolist() == [1.0, 3.0]
+    assert joined_pieces.start.tolist() == [0.0, 1.0, 2.0, 4.0]
+    assert joined_pieces.jumps.tolist() == [True, False, False, False]
+    assert [joined_pieces.settings(k)["degree"] for k in range(4)] == [0, 1, 0, 1]
 
 
 @pytest.mark.parametrize("lines", [False, True])

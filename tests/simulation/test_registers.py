@@ -24,7 +24,7 @@ def library(tmp_path_factory):
 
 
 def whole_run(model):
-    """Return the bytes of points, energies and impacts of a run, with all stages from the file on."""
+    """Return the bytes of points, energies and impacts of a run that begins with the scene's file."""
     result = simulate(load_scene(model), stop_time=0.5)
     return [result.points.tobytes(), result.energy.tobytes(), result.impacts.tobytes()]
 
@@ -33,17 +33,17 @@ def whole_run(model):
 @pytest.mark.parametrize("value", [USUAL | FLUSH, TRAPS], ids=["no denormal numbers", "traps"])
 @pytest.mark.parametrize("model", MODELS)
 def test_simulate_gives_the_same_bits(library, model, value):
-    usual = whole_run(model)
+    expected = whole_run(model)
     with registers(library, value):
-        found = whole_run(model)
-    assert found == usual
+        result = whole_run(model)
+    assert result == expected
 
 
 @needs_compilers
 @pytest.mark.parametrize("model", MODELS)
 def test_a_kernel_gives_the_same_bits_whatever_rounds_its_caller(library, model):
-    """The kernel gets the same record and times, because Python itself rounds by the registers."""
-    times, found = np.arange(257) / 512, []
+    """Record and times are made before the registers change, because Python rounds by them, too."""
+    times, bytes_of_rows = np.arange(257) / 512, []
     for value in WITHOUT_TRAPS:
         instance = Instance(load_scene(model))
         rows = np.zeros(len(times), instance.prepared_scene.output_layout)
@@ -56,5 +56,5 @@ def test_a_kernel_gives_the_same_bits_whatever_rounds_its_caller(library, model)
         finally:
             library.set_registers(USUAL)
         assert count == len(times)
-        found.append(rows.tobytes())
-    assert found == found[:1] * len(WITHOUT_TRAPS)
+        bytes_of_rows.append(rows.tobytes())
+    assert bytes_of_rows == bytes_of_rows[:1] * len(WITHOUT_TRAPS)

@@ -11,14 +11,14 @@ from tests.helpers.campaigns.random_scenes import scene as random_scene
 from tests.helpers.kernel.kernel_calls import instance_of
 
 STEPS = 40
-DRIVEN = {"inputs.tip_force": True, "inputs.joint_torques": True}
-DERIVED_WITH = {**DRIVEN, "outputs.sensitivities": ["link[1].mass", "contact.restitution"]}
+WITH_INPUTS = {"inputs.tip_force": True, "inputs.joint_torques": True}
+DERIVED_WITH = {**WITH_INPUTS, "outputs.sensitivities": ["link[1].mass", "contact.restitution"]}
 RIGID = {"contact.model": "newton_impact", "contact.restitution": 0.0}
 SCENES = {
-    "four_link_box": DRIVEN,
-    "kneed_leg": DRIVEN,  # stops
-    "sliding_rod": DRIVEN,  # dry friction
-    "falling_arm": DRIVEN | RIGID,
+    "four_link_box": WITH_INPUTS,
+    "kneed_leg": WITH_INPUTS,  # stops
+    "sliding_rod": WITH_INPUTS,  # dry friction
+    "falling_arm": WITH_INPUTS | RIGID,
     "clattering_rod": DERIVED_WITH,
     "double_pendulum_wall": DERIVED_WITH | RIGID,
 }
@@ -29,65 +29,71 @@ def bits(chain, names):
 
 
 def try_inputs(chain, variables, rng):
-    """Read the outputs under random inputs, reset the inputs, and return outputs with forbidden changes."""
+    """Set random inputs, reset them, and return the outputs without feedthrough that the inputs changed."""
     inputs = [v.name for v in variables if v.causality == "input"]
-    held = [v.name for v in variables if v.causality == "output" and not v.feedthrough]
-    before, old = np.array(chain.get(held)), dict(zip(inputs, chain.get(inputs), strict=True))
+    names = [v.name for v in variables if v.causality == "output" and not v.feedthrough]
+    values, old_inputs = np.array(chain.get(names)), dict(zip(inputs, chain.get(inputs), strict=True))
     chain.set({name: float(rng.normal()) for name in inputs})
-    after = np.array(chain.get(held))
+    values_with_inputs = np.array(chain.get(names))
     assert len(chain.impacts) == chain.get("impact.count")
-    chain.set(old)
-    return [name for name, a, b in zip(held, before, after, strict=True) if a.tobytes() != b.tobytes()]
+    chain.set(old_inputs)
+    return [
+        name
+        for name, a, b in zip(names, values, values_with_inputs, strict=True)
+        if a.tobytes() != b.tobytes()
+    ]
 
 
 @pytest.mark.parametrize(("name", "changes"), SCENES.items(), ids=SCENES)
 def test_values_that_are_reset_move_only_what_is_declared(name, changes):
     scene = load_scene(name).with_values(changes)
-    tried, alone, rng = Chain(scene), Chain(scene), np.random.default_rng(5)
-    variables, moved = instance_of(tried).prepared_scene.variables, set()
+    tried_chain, plain_chain, rng = Chain(scene), Chain(scene), np.random.default_rng(5)
+    variables, changed_names = instance_of(tried_chain).prepared_scene.variables, set()
     names = [v.name for v in variables]
     for k in range(1, STEPS + 1):
         time = scene.simulation.stop_time * k / STEPS
-        for chain in (tried, alone):
+        for chain in (tried_chain, plain_chain):
             if k % 10 == 0:  # at some steps an input changes permanently
                 chain.set("tip.force.x", 0.01 * k)
             chain.step_to(time)
-        moved.update(try_inputs(tried, variables, rng))
-        assert bits(tried, names) == bits(alone, names)
-    assert not moved
-    assert tried.get("impact.count") > 0
+        changed_names.update(try_inputs(tried_chain, variables, rng))
+        assert bits(tried_chain, names) == bits(plain_chain, names)
+    assert not changed_names
+    assert tried_chain.get("impact.count") > 0
 
 
 @pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("number", range(12))
 def test_random_scenes_go_on_as_without_values_that_are_reset(number):
-    scene = random_scene(7000000 + number).with_values(DRIVEN)
-    tried, alone, rng = Chain(scene), Chain(scene), np.random.default_rng(number)
-    variables = instance_of(tried).prepared_scene.variables
+    scene = random_scene(7000000 + number).with_values(WITH_INPUTS)
+    tried_chain, plain_chain, rng = Chain(scene), Chain(scene), np.random.default_rng(number)
+    variables = instance_of(tried_chain).prepared_scene.variables
     for k in range(1, 9):
-        for chain in (tried, alone):
+        for chain in (tried_chain, plain_chain):
             chain.step_to(scene.simulation.stop_time * k / 8)
-        assert not try_inputs(tried, variables, rng)
+        assert not try_inputs(tried_chain, variables, rng)
     names = [v.name for v in variables]
-    assert bits(tried, names) == bits(alone, names)
-    assert tried.impacts.tobytes() == alone.impacts.tobytes()
+    assert bits(tried_chain, names) == bits(plain_chain, names)
+    assert tried_chain.impacts.tobytes() == plain_chain.impacts.tobytes()
 
 
 def test_a_parameter_that_is_set_back_leaves_no_trace():
-    tried, alone = Chain("four_link_box"), Chain("four_link_box")
-    for chain in (tried, alone):
+    tried_chain, plain_chain = Chain("four_link_box"), Chain("four_link_box")
+    for chain in (tried_chain, plain_chain):
         chain.step(0.31)
-    energy, stiffness = tried.get("energy.total"), tried.get("contact.stiffness")
-    tried.set("contact.stiffness", 1e4)
-    tried.get("energy.total")
-    tried.set({"contact.model": "tsuji", "contact.restitution": 0.0})
+    energy, stiffness = tried_chain.get("energy.total"), tried_chain.get("contact.stiffness")
+    tried_chain.set("contact.stiffness", 1e4)
+    tried_chain.get("energy.total")
+    tried_chain.set({"contact.model": "tsuji", "contact.restitution": 0.0})
     with pytest.raises(SceneError, match="the wall x_min"):
-        tried.get("energy.total")
-    tried.set({"contact.stiffness": stiffness, "contact.model": "zhang_sharf", "contact.restitution": 0.7})
-    assert tried.get("energy.total") == energy
-    for chain in (tried, alone):
+        tried_chain.get("energy.total")
+    tried_chain.set(
+        {"contact.stiffness": stiffness, "contact.model": "zhang_sharf", "contact.restitution": 0.7}
+    )
+    assert tried_chain.get("energy.total") == energy
+    for chain in (tried_chain, plain_chain):
         chain.step(0.5)
-    assert bits(tried, list(tried.names)) == bits(alone, list(alone.names))
+    assert bits(tried_chain, list(tried_chain.names)) == bits(plain_chain, list(plain_chain.names))
 
 
 def test_static_friction_below_sliding_friction_is_refused():

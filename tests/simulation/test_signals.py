@@ -103,9 +103,9 @@ FORMS = {
 }
 
 
-def driven(name, extra=""):
-    driven, numbers, _ = FORMS[name]
-    return parse_scene(f'{ARM}{extra}\n[signals.drive]\ninput = "{driven}"\n{numbers}\n', "arm.toml")
+def signal_scene(name):
+    input_name, numbers, _ = FORMS[name]
+    return parse_scene(f'{ARM}\n[signals.drive]\ninput = "{input_name}"\n{numbers}\n', "arm.toml")
 
 
 def rate_of(function):
@@ -114,11 +114,11 @@ def rate_of(function):
 
 
 def by_python(name, **settings):
-    """Return the run with the function given in Python."""
-    one, _, function = FORMS[name]
-    inputs = {one: function}
-    if one == TARGET:
-        # 10 x³ − 15 x⁴ + 6 x⁵
+    """Return the run of the arm with a Python function in the place of the signal."""
+    input_name, _, function = FORMS[name]
+    inputs = {input_name: function}
+    if input_name == TARGET:
+        # the derivative of 10 x³ − 15 x⁴ + 6 x⁵, times 0.9 rad
         x = lambda t: min(max((t - 0.1) / 0.3, 0.0), 1.0)  # noqa: E731
         inputs["joint[1].target_velocity"] = lambda t: 90.0 * (x(t) * (1.0 - x(t))) ** 2
     return simulate(parse_scene(ARM, "arm.toml"), inputs=inputs, **settings)
@@ -127,39 +127,39 @@ def by_python(name, **settings):
 @pytest.mark.parametrize("name", FORMS)
 def test_a_signal_moves_the_chain_as_the_same_function_in_python_does(name):
     settings = {"tolerance": 1e-12}
-    run, same = simulate(driven(name), **settings), by_python(name, **settings)
+    run, run_of_function = simulate(signal_scene(name), **settings), by_python(name, **settings)
     for output in ("link[1].angle", "link[2].angle", "link[2].angular_velocity", "energy.supplied"):
-        np.testing.assert_allclose(run[output], same[output], rtol=0.0, atol=1e-10, err_msg=output)
-    np.testing.assert_allclose(run.impacts["onset"], same.impacts["onset"], rtol=0.0, atol=1e-10)
-    one, _, function = FORMS[name]
-    before = [t - 1e-13 for t in run.time]  # before a jump, the earlier value
-    np.testing.assert_allclose(run[one], [function(t) for t in before], rtol=0.0, atol=1e-10)
+        np.testing.assert_allclose(run[output], run_of_function[output], rtol=0.0, atol=1e-10, err_msg=output)
+    np.testing.assert_allclose(run.impacts["onset"], run_of_function.impacts["onset"], rtol=0.0, atol=1e-10)
+    input_name, _, function = FORMS[name]
+    times = [t - 1e-13 for t in run.time]  # a row at a jump has the value before it
+    np.testing.assert_allclose(run[input_name], [function(t) for t in times], rtol=0.0, atol=1e-10)
 
 
-def at_start(scene, one):
-    """Return the value of an input at the start, as the checks of a scene know it."""
-    return value_at_start(scene.signals["drive"], one, scene.simulation.stop_time)
+def at_start(scene, input_name):
+    """Return the value of an input at the start, as the checks of a scene compute it."""
+    return value_at_start(scene.signals["drive"], input_name, scene.simulation.stop_time)
 
 
 @pytest.mark.parametrize("name", FORMS)
 def test_the_checks_of_a_start_know_what_signals_make_of_it(name):
-    one = FORMS[name][0]
-    scene = driven(name)
-    assert at_start(scene, one) == simulate(scene, 1e-3)[one][0]
+    input_name = FORMS[name][0]
+    scene = signal_scene(name)
+    assert at_start(scene, input_name) == simulate(scene, 1e-3)[input_name][0]
     if name in ("smooth", "trapezoid", "chirp"):
         for start in (-0.02, -0.17, -1.0):  # the signal began before the run
             begun = scene.with_values({"signal.drive.start": start})
-            assert at_start(begun, one) == simulate(begun, 1e-3)[one][0]
+            assert at_start(begun, input_name) == simulate(begun, 1e-3)[input_name][0]
 
 
 def test_a_base_and_a_wall_start_where_signals_have_them():
     arm = parse_scene(ARM, "arm.toml")
     base, wall = (
-        {("signals", "up"): {"input": one, "form": "constant", "value": 0.3}} for one in (HEIGHT, TABLE)
+        {("signals", "up"): {"input": input_name, "form": "constant", "value": 0.3}}
+        for input_name in (HEIGHT, TABLE)
     )
-    lifted = arm.with_values(
-        {("walls", 0, "point"): [0.0, -0.4]} | base
-    )  # the initial position is inside the wall
+    # the initial position is inside the wall
+    lifted = arm.with_values({("walls", 0, "point"): [0.0, -0.4]} | base)
     assert lifted.start[0][:2] == (0.0, 0.3)
     assert simulate(lifted, 1e-3)["point[2].y"][0] == pytest.approx(lifted.start[2][1], abs=1e-15)
     with pytest.raises(SceneError, match=r"point 2 at \(.*\) m is .* m deep in the wall table"):
@@ -186,7 +186,7 @@ NUMBERS = [
 @pytest.mark.full("more cases", but=8)
 @pytest.mark.parametrize(("name", "key"), NUMBERS)
 def test_derivatives_by_each_number_are_those_of_differences(name, key):
-    scene, parameter, output = driven(name), f"signal.drive.{key}", "link[2].angle"
+    scene, parameter, output = signal_scene(name), f"signal.drive.{key}", "link[2].angle"
     run = simulate(scene, tolerance=1e-12, sensitivities=[parameter])
     value = scene.values[parameter]
     step = 1e-5 * max(1.0, abs(value))
@@ -194,14 +194,14 @@ def test_derivatives_by_each_number_are_those_of_differences(name, key):
     def changed(number):
         return simulate(scene.with_values({parameter: number}), tolerance=1e-13)[output]
 
-    right = slope(changed, value, step, 4)
-    found = run.sensitivity(output, parameter)
-    np.testing.assert_allclose(found, right, rtol=0.0, atol=1e-6 * (np.abs(right).max() + 1e-2))
+    expected = slope(changed, value, step, 4)
+    result = run.sensitivity(output, parameter)
+    np.testing.assert_allclose(result, expected, rtol=0.0, atol=1e-6 * (np.abs(expected).max() + 1e-2))
 
 
 @pytest.mark.parametrize("name", ["steps", "trapezoid", "chirp"])
 def test_the_communication_step_changes_nothing(name):
-    scene = driven(name)
+    scene = signal_scene(name)
     fine, rough = Chain(scene), Chain(scene)
     for k in range(1, 400):
         fine.step_to(min(0.6, k * 0.0017))
@@ -237,15 +237,15 @@ def test_a_table_drives_as_samples_do(tmp_path, interpolation):
     run = simulate(scene, tolerance=1e-12)
     kind = "follow" if interpolation == "hold" else "linear"
     inputs = {name: (TIMES, column) for name, column in values.items()}
-    same = simulate(parse_scene(ARM, "x"), tolerance=1e-12, inputs=inputs, interpolation=kind)
-    np.testing.assert_allclose(run["link[2].angle"], same["link[2].angle"], rtol=0.0, atol=1e-10)
+    run_of_samples = simulate(parse_scene(ARM, "x"), tolerance=1e-12, inputs=inputs, interpolation=kind)
+    np.testing.assert_allclose(run["link[2].angle"], run_of_samples["link[2].angle"], rtol=0.0, atol=1e-10)
 
 
-@pytest.mark.parametrize(("driven", "order"), [("base.y", 0), ("base.vy", 1), ("base.ay", 2)])
-def test_a_base_follows_a_spline_of_its_position_or_integrals(tmp_path, driven, order):
+@pytest.mark.parametrize(("input_name", "order"), [("base.y", 0), ("base.vy", 1), ("base.ay", 2)])
+def test_a_base_follows_a_spline_of_its_position_or_integrals(tmp_path, input_name, order):
     times = np.linspace(0.0, 0.6, 25)
     wave = [0.01 * np.sin(12.0 * times), 0.12 * np.cos(12.0 * times), -1.44 * np.sin(12.0 * times)][order]
-    scene = with_table(tmp_path, [driven], {"time": times, driven: wave}, 'interpolation = "spline"')
+    scene = with_table(tmp_path, [input_name], {"time": times, input_name: wave}, 'interpolation = "spline"')
     run = simulate(scene, tolerance=1e-12)
     spline = CubicSpline(times, wave)
     for _ in range(order):
@@ -257,7 +257,7 @@ def test_a_base_follows_a_spline_of_its_position_or_integrals(tmp_path, driven, 
 
 
 @pytest.mark.parametrize(
-    ("driven", "numbers", "function"),
+    ("input_name", "numbers", "function"),
     [
         (
             "base.ay",
@@ -271,12 +271,12 @@ def test_a_base_follows_a_spline_of_its_position_or_integrals(tmp_path, driven, 
         ),
     ],
 )
-def test_a_function_with_jumps_and_bends_moves_the_base_as_a_signal_does(driven, numbers, function):
-    signal = f'{ARM}\n[signals.drive]\ninput = "{driven}"\n{numbers}\n'
+def test_a_function_with_jumps_and_bends_moves_the_base_as_a_signal_does(input_name, numbers, function):
+    signal = f'{ARM}\n[signals.drive]\ninput = "{input_name}"\n{numbers}\n'
     run = simulate(parse_scene(signal, "arm.toml"), tolerance=1e-12)
-    same = simulate(parse_scene(ARM, "arm.toml"), tolerance=1e-12, inputs={driven: function})
-    np.testing.assert_allclose(same["point[0].y"], run["point[0].y"], rtol=0.0, atol=1e-14)
-    np.testing.assert_allclose(same["link[2].angle"], run["link[2].angle"], rtol=0.0, atol=1e-10)
+    run_of_function = simulate(parse_scene(ARM, "arm.toml"), tolerance=1e-12, inputs={input_name: function})
+    np.testing.assert_allclose(run_of_function["point[0].y"], run["point[0].y"], rtol=0.0, atol=1e-14)
+    np.testing.assert_allclose(run_of_function["link[2].angle"], run["link[2].angle"], rtol=0.0, atol=1e-10)
 
 
 def test_a_table_moves_the_base_alike_whenever_the_run_ends(tmp_path):
@@ -285,9 +285,9 @@ def test_a_table_moves_the_base_alike_whenever_the_run_ends(tmp_path):
     spline = CubicSpline(*columns.values(), bc_type=("clamped", "not-a-knot"))
     for stop, last in ((0.5, 0.5), (0.7, 0.7), (0.9, 0.55)):
         run = simulate(scene, stop_time=stop)
-        before = run.time <= last
+        in_table = run.time <= last
         expected = spline(np.maximum(run.time, 0.1))
-        np.testing.assert_allclose(run["base.y"][before], expected[before], rtol=0.0, atol=1e-14)
+        np.testing.assert_allclose(run["base.y"][in_table], expected[in_table], rtol=0.0, atol=1e-14)
     assert run["base.y"][run.time >= 0.7] == pytest.approx(0.03, abs=1e-15)
     assert run["base.vy"][run.time >= 0.7] == pytest.approx(0.0, abs=1e-15)
 
@@ -300,31 +300,33 @@ def test_the_acceleration_of_a_spline_jumps_only_at_the_ends_of_its_table(begin)
     spline = PPoly(powers.T[::-1], at)
     np.testing.assert_allclose(spline(times), heights, rtol=0.0, atol=1e-15)
     for order, size in ((0, 0.05), (1, 1.0), (2, 50.0)):
-        before, after = (spline.derivative(order)(at[1:-1] + side) for side in (-1e-9, 1e-9))
-        np.testing.assert_allclose(before, after, rtol=0.0, atol=1e-6 * size)
+        left, right = (spline.derivative(order)(at[1:-1] + side) for side in (-1e-9, 1e-9))
+        np.testing.assert_allclose(left, right, rtol=0.0, atol=1e-6 * size)
     speed = spline.derivative()
     assert speed(at[-1]) == pytest.approx(0.0, abs=1e-13)
     if begin > 0.0:  # otherwise the run begins with the table, and its rows give the velocity
         assert speed(at[0]) == pytest.approx(0.0, abs=1e-15)
     else:
-        inside = CubicSpline(times, heights)
-        assert speed(0.0) == pytest.approx(float(inside(0.0, 1)), rel=1e-12)
+        spline_of_rows = CubicSpline(times, heights)
+        assert speed(0.0) == pytest.approx(float(spline_of_rows(0.0, 1)), rel=1e-12)
 
 
-@pytest.mark.parametrize(("one", "size"), [(HEIGHT, 0.02), (TABLE, 0.02), ("base.vy", 0.2), (TORQUE, 1.0)])
+@pytest.mark.parametrize(
+    ("input_name", "size"), [(HEIGHT, 0.02), (TABLE, 0.02), ("base.vy", 0.2), (TORQUE, 1.0)]
+)
 @pytest.mark.parametrize("times", [TIMES, 0.1 + TIMES, 3.0 * TIMES])
-def test_a_spline_of_a_table_is_that_of_samples_in_python(tmp_path, one, size, times):
-    """Also where the table ends with a speed before the run ends."""
-    columns = {"time": times, one: size * np.sin(1.0 + 9.0 * times)}
-    run = simulate(with_table(tmp_path, [one], columns, 'interpolation = "spline"'), tolerance=1e-12)
+def test_a_spline_of_a_table_is_that_of_samples_in_python(tmp_path, input_name, size, times):
+    """Some tables end before the run, with a speed."""
+    columns = {"time": times, input_name: size * np.sin(1.0 + 9.0 * times)}
+    run = simulate(with_table(tmp_path, [input_name], columns, 'interpolation = "spline"'), tolerance=1e-12)
     arm = parse_scene(ARM, "arm.toml")
-    for inputs in (tmp_path / "drive.csv", {one: (times, columns[one])}):
-        same = simulate(arm, tolerance=1e-12, inputs=inputs, interpolation="spline")
+    for inputs in (tmp_path / "drive.csv", {input_name: (times, columns[input_name])}):
+        run_of_samples = simulate(arm, tolerance=1e-12, inputs=inputs, interpolation="spline")
         for name in ("link[2].angle", "energy.supplied", "point[2].y"):
-            np.testing.assert_allclose(run[name], same[name], rtol=0.0, atol=1e-10, err_msg=name)
+            np.testing.assert_allclose(run[name], run_of_samples[name], rtol=0.0, atol=1e-10, err_msg=name)
     course = DifferentiatedRun(arm, ["link[1].mass"], ["link[2].angle"], tmp_path / "drive.csv", "spline")
-    found = course.run(np.array([0.5]), run.time).values[:, 0]
-    np.testing.assert_allclose(found, run["link[2].angle"], rtol=0.0, atol=1e-6)
+    result = course.run(np.array([0.5]), run.time).values[:, 0]
+    np.testing.assert_allclose(result, run["link[2].angle"], rtol=0.0, atol=1e-6)
 
 
 @pytest.mark.parametrize("begin", [-0.35, 0.0, 0.1, 0.45])
@@ -353,16 +355,20 @@ def test_a_table_repeats_after_its_period(tmp_path):
         'period = 0.2\ninterpolation = "hold"',
     )
     run = simulate(belt)
-    # 0.1 m in each period
+    # the belt moves 0.1 m in each period
     np.testing.assert_allclose(
         run["wall.table.belt_position"][[10, 20, 40, 55]], [0.0, 0.1, 0.2, 0.25], atol=1e-14
     )
 
 
-@pytest.mark.parametrize(("one", "counts"), [(TORQUE, True), (PUSH, False), ("joint[1].torque", False)])
-def test_only_sines_that_act_in_a_drive_with_a_limit_make_it_sampled(one, counts):
+@pytest.mark.parametrize(
+    ("input_name", "counts"), [(TORQUE, True), (PUSH, False), ("joint[1].torque", False)]
+)
+def test_only_sines_that_act_in_a_drive_with_a_limit_make_it_sampled(input_name, counts):
     limited = ARM.replace("joint_damping = 0.1", "joint_damping = 0.1\njoint_torque_limit = 1.0")
-    scene = parse_scene(f'{limited}\n[signals.drive]\ninput = "{one}"\n{FORMS["shaken"][1]}', "arm.toml")
+    scene = parse_scene(
+        f'{limited}\n[signals.drive]\ninput = "{input_name}"\n{FORMS["shaken"][1]}', "arm.toml"
+    )
     d = initialized(scene)
     assert rate_of_signals(d) == pytest.approx(40.0 * math.pi)
     assert rate_in_limited_drives(d) == (rate_of_signals(d) if counts else 0.0)
@@ -376,12 +382,12 @@ def test_a_smooth_ramp_changes_like_half_a_period_of_a_cosine():
     assert rate_of_signals(d) == 0.0
 
 
-@pytest.mark.parametrize("one", [TORQUE, PUSH, TARGET])
-def test_only_sines_that_move_the_base_or_a_wall_have_a_travel(one):
+@pytest.mark.parametrize("input_name", [TORQUE, PUSH, TARGET])
+def test_only_sines_that_move_the_base_or_a_wall_have_a_travel(input_name):
     """A torque, a force or an angle is not a length; where a speed is a sine, its integral is the travel."""
     motions = "".join(
         f'[signals.s{k}]\ninput = "{name}"\nform = "sine"\namplitude = {size}\nfrequency = 5.0\n'
-        for k, (name, size) in enumerate({one: 700.0, TABLE: 0.05, "base.vy": 0.3}.items())
+        for k, (name, size) in enumerate({input_name: 700.0, TABLE: 0.05, "base.vy": 0.3}.items())
     )
     d = initialized(parse_scene(f"{ARM}\n{motions}", "arm.toml"))
     assert travel_of_sines(d) == pytest.approx(0.05 + 0.3 / (10.0 * math.pi), rel=1e-12)

@@ -76,20 +76,20 @@ def test_many_impacts_are_all_collected_between_two_output_points():
 @pytest.mark.parametrize("output", [(), ("energy.total",)])
 @pytest.mark.parametrize("sensitivities", [(), ("gravity.y",)])
 def test_many_impacts_are_all_collected_between_two_rows_of_some_outputs(model, output, sensitivities):
-    few = simulate(model, output_step=math.inf, output=output, sensitivities=sensitivities)
-    assert len(few.impacts) > LOG_SIZE
-    assert few.time.tolist() == [0.0, few.scene.simulation.stop_time]
-    assert few.impacts.tobytes() == simulate(model).impacts.tobytes()
+    result = simulate(model, output_step=math.inf, output=output, sensitivities=sensitivities)
+    assert len(result.impacts) > LOG_SIZE
+    assert result.time.tolist() == [0.0, result.scene.simulation.stop_time]
+    assert result.impacts.tobytes() == simulate(model).impacts.tobytes()
     if output:
-        assert few["energy.total"][-1] == simulate(model)["energy.total"][-1]
+        assert result["energy.total"][-1] == simulate(model)["energy.total"][-1]
 
 
 def test_progress_rises_to_one():
-    seen = []
-    simulate(ball(stop_time=0.1), output_step=1e-6, progress=seen.append)
-    assert len(seen) > 1
-    assert seen == sorted(seen)
-    assert seen[-1] == 1.0
+    fractions = []
+    simulate(ball(stop_time=0.1), output_step=1e-6, progress=fractions.append)
+    assert len(fractions) > 1
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == 1.0
 
 
 # --- one result --------------------------------------------------------------------------------------------
@@ -106,14 +106,14 @@ def test_without_outputs_no_row_is_computed_and_all_else_is_there(monkeypatch, s
 
     monkeypatch.setattr(Instance, "trajectory", trajectory)
     scene = default_scene()
-    whole = simulate(scene, 1.2, 1e-3, sensitivities=sensitivities)
+    full_result = simulate(scene, 1.2, 1e-3, sensitivities=sensitivities)
     computed.clear()
-    bare = simulate(scene, 1.2, 1e-3, output=[], sensitivities=sensitivities)
+    bare_result = simulate(scene, 1.2, 1e-3, output=[], sensitivities=sensitivities)
     assert sum(computed) <= 2
-    np.testing.assert_array_equal(bare.time, whole.time)
-    assert bare.impacts.tobytes() == whole.impacts.tobytes()
-    assert bare.statistics == whole.statistics
-    assert not bare.outputs.dtype.names
+    np.testing.assert_array_equal(bare_result.time, full_result.time)
+    assert bare_result.impacts.tobytes() == full_result.impacts.tobytes()
+    assert bare_result.statistics == full_result.statistics
+    assert not bare_result.outputs.dtype.names
     scene, faults = with_values(scene, {("solver", "work_limit"): 800.0}), []
     for output in (None, []):
         with pytest.raises(SimulationError) as error:
@@ -121,7 +121,7 @@ def test_without_outputs_no_row_is_computed_and_all_else_is_there(monkeypatch, s
         result = error.value.result
         faults.append([error.value.time, result.time.tolist(), result.impacts.tobytes(), result.statistics])
     assert faults[0] == faults[1]
-    assert 1 < len(faults[0][1]) < len(whole.time)
+    assert 1 < len(faults[0][1]) < len(full_result.time)
 
 
 @pytest.mark.parametrize(
@@ -130,19 +130,19 @@ def test_without_outputs_no_row_is_computed_and_all_else_is_there(monkeypatch, s
 )
 def test_outputs_of_the_state_alone_are_the_same_bits_without_forces(model):
     """The scenes have impacts, friction, a motion, a slider, points on links, and signals."""
-    whole = simulate(model, 1.0, 7e-3)
+    full_result = simulate(model, 1.0, 7e-3)
     names = [
         output.name
-        for output in whole.prepared_scene.continuous_outputs
+        for output in full_result.prepared_scene.continuous_outputs
         if output.record_path[1] in STATE_OUTPUTS
     ]
-    some = simulate(model, 1.0, 7e-3, output=names)
-    assert some.prepared_scene.indices_named(names).of_state
-    assert not some.prepared_scene.indices_named([*names, "link[1].angular_acceleration"]).of_state
+    state_result = simulate(model, 1.0, 7e-3, output=names)
+    assert state_result.prepared_scene.indices_named(names).of_state
+    assert not state_result.prepared_scene.indices_named([*names, "link[1].angular_acceleration"]).of_state
     for name in names:
-        assert some[name].tobytes() == np.ascontiguousarray(whole[name]).tobytes()
-    assert some.impacts.tobytes() == whole.impacts.tobytes()
-    assert some.statistics == whole.statistics
+        assert state_result[name].tobytes() == np.ascontiguousarray(full_result[name]).tobytes()
+    assert state_result.impacts.tobytes() == full_result.impacts.tobytes()
+    assert state_result.statistics == full_result.statistics
 
 
 def test_a_simulation_is_repeatable_to_the_bit():
@@ -296,9 +296,9 @@ def test_rows_that_inputs_need_count_for_the_size(monkeypatch):
 
 
 def test_an_infinite_output_step_leaves_the_start_and_the_end():
-    whole, ends = simulate(default_scene(), 0.6), simulate(default_scene(), 0.6, math.inf)
-    assert ends.time.tolist() == [0.0, 0.6]
-    assert ends.outputs[-1].tobytes() == whole.outputs[-1].tobytes()
+    full_result, result = simulate(default_scene(), 0.6), simulate(default_scene(), 0.6, math.inf)
+    assert result.time.tolist() == [0.0, 0.6]
+    assert result.outputs[-1].tobytes() == full_result.outputs[-1].tobytes()
 
 
 def test_a_scene_can_be_named(tmp_path):
@@ -312,6 +312,6 @@ def test_a_scene_can_be_named(tmp_path):
 
 
 def test_a_kernel_that_is_loaded_is_not_looked_for_again(monkeypatch):
-    before = simulate("rod_drop").outputs
+    outputs = simulate("rod_drop").outputs
     monkeypatch.setattr(kernels, "kernel_library", None)
-    assert simulate("rod_drop").outputs.tobytes() == before.tobytes()
+    assert simulate("rod_drop").outputs.tobytes() == outputs.tobytes()

@@ -18,10 +18,10 @@ def swing(time):
 
 def warnings_of(values, inputs, name="pinned_arm", **options):
     scene = load_scene(name).with_values({"inputs.joint_targets": True, **values})
-    with warnings.catch_warnings(record=True) as found:
+    with warnings.catch_warnings(record=True) as caught_warnings:
         warnings.simplefilter("always", SceneWarning)
         simulate(scene, 0.05, inputs=inputs, **options)
-    return [str(warning.message) for warning in found]
+    return [str(warning.message) for warning in caught_warnings]
 
 
 DAMPED = {"link[2].joint_stiffness": 400.0, "link[2].joint_damping": 20.0}

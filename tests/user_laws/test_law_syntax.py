@@ -67,9 +67,9 @@ def test_a_hostile_file_is_not_run(text, line, tmp_path):
     with pytest.raises(SceneError) as caught:
         simulate(load_scene("rod_drop").with_values(values))
     assert not mark.exists()
-    path, allowed = map(re.escape, (str(file), ALLOWED_SYNTAX))
+    path, allowed_text = map(re.escape, (str(file), ALLOWED_SYNTAX))
     assert re.fullmatch(
-        rf"RodDrop: contact\.law_file = '{path}' has .* in line {line}; {allowed}", str(caught.value)
+        rf"RodDrop: contact\.law_file = '{path}' has .* in line {line}; {allowed_text}", str(caught.value)
     )
 
 
@@ -106,8 +106,8 @@ def test_the_laws_of_the_page_are_allowed(tmp_path):
         r"^```python[^\n]*\n((?:(?!```).)*^def .*?)^```", page.read_text(encoding="utf-8"), re.M | re.S
     )
     functions = [re.search(r"^def .*?(?=^\S|\Z)", block, re.M | re.S) for block in blocks]
-    laws = {found[0].split("(")[0].removeprefix("def "): (block, found[0])
-            for block, found in zip(blocks, functions, strict=True)}  # fmt: skip
+    laws = {match[0].split("(")[0].removeprefix("def "): (block, match[0])
+            for block, match in zip(blocks, functions, strict=True)}  # fmt: skip
     assert list(laws) == ["rubber", "saturated"]
     for name, (block, function) in laws.items():
         file = tmp_path / f"{name}.py"

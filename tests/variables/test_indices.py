@@ -10,21 +10,23 @@ from chain_impact.variables.prepared import PreparedScene
 
 @pytest.mark.parametrize("name", ["four_link_box", "sliding_rod", "kneed_leg"])
 def test_the_words_of_the_outputs_are_those_of_the_variables(name):
-    prepared = PreparedScene(load_scene(name))
-    motion, stepwise, *_ = prepared.output_indices
-    assert [*motion, *stepwise] == [output.name for output in prepared.outputs]
-    words = {output.name: prepared.word_of(output) for output in prepared.outputs}
-    assert motion == {output: words[output] for output in motion}
-    assert {one: word for one, (word, _) in stepwise.items()} == {one: words[one] for one in stepwise}
-    assert {output.name for output in prepared.outputs if output.type != "real"} == {
-        one for one, (_, is_real) in stepwise.items() if not is_real
+    prepared_scene = PreparedScene(load_scene(name))
+    motion, stepwise, *_ = prepared_scene.output_indices
+    assert [*motion, *stepwise] == [output.name for output in prepared_scene.outputs]
+    words_of_outputs = {output.name: prepared_scene.word_of(output) for output in prepared_scene.outputs}
+    assert motion == {output: words_of_outputs[output] for output in motion}
+    assert {name: word for name, (word, _) in stepwise.items()} == {
+        name: words_of_outputs[name] for name in stepwise
+    }
+    assert {output.name for output in prepared_scene.outputs if output.type != "real"} == {
+        name for name, (_, is_real) in stepwise.items() if not is_real
     }
 
 
 def test_scenes_of_one_shape_share_them():
     scene = load_scene("rod_drop")
-    other = PreparedScene(scene.with_values({"link[1].length": 0.9}))
-    assert other.output_indices is PreparedScene(scene).output_indices
+    other_scene = PreparedScene(scene.with_values({"link[1].length": 0.9}))
+    assert other_scene.output_indices is PreparedScene(scene).output_indices
 
 
 def test_a_row_has_what_the_record_has_at_its_time():
@@ -33,6 +35,6 @@ def test_a_row_has_what_the_record_has_at_its_time():
     instance.trajectory(result.time, np.zeros(len(result.time), result.prepared_scene.output_layout))
     for name, word in result.prepared_scene.output_indices.continuous.items():
         assert result[name][-1] == instance.words[word]
-    whole = instance.words.view(np.int64)
+    integers = instance.words.view(np.int64)
     for name, (word, is_real) in result.prepared_scene.output_indices.stepwise.items():
-        assert result[name][-1] == (instance.words if is_real else whole)[word]
+        assert result[name][-1] == (instance.words if is_real else integers)[word]

@@ -22,51 +22,53 @@ KINDS = [kind for block in (*PARAMETERS, *INPUTS, *OUTPUTS) for kind in block.ki
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.pattern)
 def test_owner_conditions_and_texts_of_a_row_exist(kind):
-    """Its owner, conditions, texts, limits, magnitude and the variable whose derivative it is."""
     structure = structure_of(CART if kind.owner_kind == "slider" else EVERYTHING)
     (owner, *_) = structure.owners(kind.owner_kind)
     words = scene_texts(structure) | owner.values | owner_texts(kind.owner_kind, structure, owner.values)
     assert {*kind.when, kind.tunable or TRUE_FACT, kind.stores_given_if or TRUE_FACT} <= {*owner.conditions}
     assert "{" not in kind.description.format_map(words)
-    assert all(one in words for one in (kind.minimum, kind.maximum) if isinstance(one, str))
+    assert all(name in words for name in (kind.minimum, kind.maximum) if isinstance(name, str))
     assert kind.nominal == "" or kind.nominal in nominal_values(EVERYTHING)
     assert kind.rate_of == "" or kind.rate_of in output_dtype(1, 0, 0, 0, 0).names
 
 
 def test_variables_of_a_kind_are_described_at_once():
-    found = {
+    descriptions = {
         variable.kind.pattern: variable.kind_description for variable in PreparedScene(EVERYTHING).variables
     }
-    assert found["link[i].length"] == "link i: length; must be > 0"
-    assert found["wall.<wall>.x"] == "wall at any angle: x of a point on the wall"
-    assert found["contact[k].<wall>.penetration"] == "point k at a wall: penetration, 0 when apart"
-    assert found["joint[i].angle"] == "joint i: angle of link i relative to the link before"
-    pinned = {
+    assert descriptions["link[i].length"] == "link i: length; must be > 0"
+    assert descriptions["wall.<wall>.x"] == "wall at any angle: x of a point on the wall"
+    assert descriptions["contact[k].<wall>.penetration"] == "point k at a wall: penetration, 0 when apart"
+    assert descriptions["joint[i].angle"] == "joint i: angle of link i relative to the link before"
+    pinned_descriptions = {
         variable.kind.pattern: variable.kind_description
         for variable in PreparedScene(load_scene("triple_pendulum")).variables
     }
-    assert pinned["joint[i].angle"] == "joint i: angle of link i relative to the link before, or the ground"
+    assert (
+        pinned_descriptions["joint[i].angle"]
+        == "joint i: angle of link i relative to the link before, or the ground"
+    )
 
 
 def test_the_derivatives_of_a_kind_are_a_kind():
-    prepared = PreparedScene(
+    prepared_scene = PreparedScene(
         load_scene("four_link_box").with_values({"outputs.sensitivities": ["link[*].mass"]})
     )
     kinds = {
         variable.kind.pattern: variable.kind_description
-        for variable in prepared.variables
+        for variable in prepared_scene.variables
         if variable.name.startswith("sens")
     }
     assert (
         kinds["sensitivity.link[i].mass.point[k].x"]
         == "derivative of point[k].x with respect to link[i].mass"
     )
-    assert len(kinds) == len({output.kind.pattern for output in prepared.continuous_outputs})
+    assert len(kinds) == len({output.kind.pattern for output in prepared_scene.continuous_outputs})
 
 
 def test_a_name_is_like_its_template_only():
     names = ["joint[12].torque", "wall.ramp.belt_speed", "tip.force.x"]
-    templates = [template for one in INPUTS_OF.values() for template in one]
+    templates = [template for input_templates in INPUTS_OF.values() for template in input_templates]
     assert [sum(is_like(name, template) for template in templates) for name in names] == [1, 1, 1]
     for name in (
         "joint[].torque",

@@ -43,45 +43,49 @@ GROUPS = {
 
 @pytest.mark.parametrize("left_out", GROUPS)
 def test_a_group_that_is_not_asked_for_is_not_there(left_out):
-    every, found = (
+    all_names, group_less_names = (
         {variable.name for variable in outputs_of_scene(scene).values()}
         for scene in (BOX, BOX.with_values({f"outputs.{left_out}": False}))
     )
-    assert {key for key, name in GROUPS.items() if name not in found} == {left_out}
-    parts = {name.split("[")[0].split(".")[0] for name in every - found}
+    assert {key for key, name in GROUPS.items() if name not in group_less_names} == {left_out}
+    parts = {name.split("[")[0].split(".")[0] for name in all_names - group_less_names}
     assert parts <= {left_out.removesuffix("s"), "energy", "solver"}
 
 
 def test_an_output_has_the_unit_of_its_quantity():
-    found = {
+    units_by_key = {
         (name.split(".")[-1], output.unit)
         for name, output in outputs_of_scene(BOX).items()
         if output.type == "real"
     }
-    assert found == {(key, unit) for unit, keys in OF_UNIT.items() for key in keys.split()}
+    assert units_by_key == {(key, unit) for unit, keys in OF_UNIT.items() for key in keys.split()}
 
 
 def test_a_joint_that_exists_has_its_angle_and_rate():
-    found = {name: output for name, output in outputs_of_scene(BOX).items() if name.startswith("joint[")}
-    assert list(found) == [f"joint[{i}].{one}" for i in (2, 3, 4) for one in ("angle", "angular_velocity")]
-    assert [one.unit for one in found.values()] == 3 * ["rad", "rad/s"]
+    joint_outputs = {
+        name: output for name, output in outputs_of_scene(BOX).items() if name.startswith("joint[")
+    }
+    assert list(joint_outputs) == [
+        f"joint[{i}].{key}" for i in (2, 3, 4) for key in ("angle", "angular_velocity")
+    ]
+    assert [output.unit for output in joint_outputs.values()] == 3 * ["rad", "rad/s"]
     assert {"joint[1].angle", "joint[1].angular_velocity"} <= set(outputs_of_scene(ARM))
 
 
 @pytest.mark.parametrize("output", [(), "point[4].x", ["energy.*", "solver.steps"]])
 def test_to_choose_outputs_makes_no_variables_again(monkeypatch, output):
-    """Also for another scene that differs only in numbers."""
-    made = []
+    """Another scene that differs only in numbers has the same variables."""
+    made_kinds = []
 
     def counted(kind, *_):
-        made.append(kind.name)
+        made_kinds.append(kind.name)
 
     simulate(BOX, stop_time=0.01, output="energy.total")
     monkeypatch.setattr(Variable, "from_kind", counted)
-    changed = BOX.with_values({"contact.restitution": 0.4, "link[1].mass": 1.5})
-    for scene in (BOX, changed):
+    changed_scene = BOX.with_values({"contact.restitution": 0.4, "link[1].mass": 1.5})
+    for scene in (BOX, changed_scene):
         simulate(scene, stop_time=0.01, output=output)
-    assert made == []
+    assert made_kinds == []
 
 
 SHAPES = {
@@ -95,38 +99,38 @@ SHAPES |= {"contact.points": [0, 4], "inputs.tip_force": True, "outputs.impacts"
 
 @pytest.mark.parametrize(("name", "value"), SHAPES.items())
 def test_kept_parts_of_a_scene_are_not_taken_for_another_one(name, value):
-    before, changed = outputs_of_scene(BOX), BOX.with_values({name: value})
-    kept = outputs_of_scene(changed)
+    box_outputs, changed_scene = outputs_of_scene(BOX), BOX.with_values({name: value})
+    changed_outputs = outputs_of_scene(changed_scene)
     listing.outputs_of.cache_clear()
-    assert kept == outputs_of_scene(changed)
-    assert kept != before
+    assert changed_outputs == outputs_of_scene(changed_scene)
+    assert changed_outputs != box_outputs
 
 
 @pytest.mark.parametrize("scene", [BOX, ARM], ids=["free", "pinned"])
 def test_only_the_base_of_a_pinned_chain_is_held(scene):
-    held = {variable.name for variable in outputs_of_scene(scene).values() if variable.base_at_rest}
-    base = {f"point[0].{prefix}{axis}" for prefix in ("", "v", "a") for axis in "xy"}
-    assert held == (base if scene is ARM else set())
+    names_at_rest = {variable.name for variable in outputs_of_scene(scene).values() if variable.base_at_rest}
+    base_names = {f"point[0].{prefix}{axis}" for prefix in ("", "v", "a") for axis in "xy"}
+    assert names_at_rest == (base_names if scene is ARM else set())
 
 
 def test_an_input_says_between_which_links_its_torque_acts():
-    told = {one.name: one.description for one in PreparedScene(ARM).inputs}
-    assert told["joint[1].torque"] == "torque on link 1 from the base"
-    assert told["joint[2].torque"] == "torque on link 2 from link 1"
-    driven = BOX.with_values({"inputs.joint_torques": True})
-    assert PreparedScene(driven).inputs[0].description == "torque on link 2 from link 1"
+    descriptions = {variable.name: variable.description for variable in PreparedScene(ARM).inputs}
+    assert descriptions["joint[1].torque"] == "torque on link 1 from the base"
+    assert descriptions["joint[2].torque"] == "torque on link 2 from link 1"
+    driven_box = BOX.with_values({"inputs.joint_torques": True})
+    assert PreparedScene(driven_box).inputs[0].description == "torque on link 2 from link 1"
 
 
 def test_behind_an_instance_are_those_that_carry_its_derivatives():
-    """Each has the values of the instance, and the slope 1 of each parameter in the parameter's direction."""
-    prepared = PreparedScene(BOX)
+    """Each record of dual numbers has the values of the instance, and slope 1 only for its own parameters."""
+    prepared_scene = PreparedScene(BOX)
     names = [f"link[{i}].mass" for i in range(1, 5)] + ["contact.stiffness", "link[2].length"]
-    varied = differentiable_named(prepared, names)
-    plain, memory = prepared.new_instance([])[0], prepared.new_instance(varied)[0]
+    parameters = differentiable_named(prepared_scene, names)
+    plain, memory = prepared_scene.new_instance([])[0], prepared_scene.new_instance(parameters)[0]
     count = -(-len(names) // DIRECTIONS)
     assert (plain["tangent_count"], memory["tangent_count"]) == (0, count)
-    behind = memory[memory.dtype.names[-1]]
-    assert behind.shape == (count,)
+    dual_records = memory[memory.dtype.names[-1]]
+    assert dual_records.shape == (count,)
     for name in plain.dtype.names:
         if name != "tangent_count":
             assert memory[name].tobytes() == plain[name].tobytes()
@@ -136,20 +140,20 @@ def test_behind_an_instance_are_those_that_carry_its_derivatives():
             if source.dtype[name].base.names:
                 check(source[name], duals[name])
             else:
-                own = duals[name]["value"] if duals[name].dtype.names else duals[name]
-                np.testing.assert_array_equal(own, source[name])
+                values = duals[name]["value"] if duals[name].dtype.names else duals[name]
+                np.testing.assert_array_equal(values, source[name])
 
     slopes = np.zeros((count, DIRECTIONS))
-    for number, variable in enumerate(varied):
+    for number, variable in enumerate(parameters):
         t = number // DIRECTIONS
-        check(plain, behind[t])
-        field = behind[t]
+        check(plain, dual_records[t])
+        field = dual_records[t]
         for step in variable.record_path:
             field = field[step]
         assert field["slope"].tolist() == [float(k == number % DIRECTIONS) for k in range(DIRECTIONS)]
         slopes[t, number % DIRECTIONS] = 1.0
-    # no other number has a slope that is not 0
-    reals = sum(int(total_slopes(behind[t])) for t in range(count))
+
+    reals = sum(int(total_slopes(dual_records[t])) for t in range(count))
     assert reals == slopes.sum() == len(names)
 
 
@@ -180,13 +184,13 @@ def test_numbers_of_points_and_walls_have_the_limits_that_their_texts_tell():
 def test_the_latest_impacts_and_the_peaks_have_the_units_of_impacts():
     quantities = {"time": "onset", "speed": "impact_speed"}
     units = {
-        one.name: one.unit
-        for one in PreparedScene(BOX).outputs
-        if one.name.startswith("impact[1].") and one.unit
+        output.name: output.unit
+        for output in PreparedScene(BOX).outputs
+        if output.name.startswith("impact[1].") and output.unit
     }
     ends = {name.removeprefix("impact[1]."): unit for name, unit in units.items()}
-    found = {quantities.get(name, name): unit for name, unit in ends.items()}
-    assert found == {name: IMPACT_UNITS[name] for name in found}
-    assert len(found) >= 7
+    units_by_quantity = {quantities.get(name, name): unit for name, unit in ends.items()}
+    assert units_by_quantity == {name: IMPACT_UNITS[name] for name in units_by_quantity}
+    assert len(units_by_quantity) >= 7
     assert [PEAKS[name].unit for name in ("peak_force", "max_penetration")] == ["N", "m"]
     assert [PEAKS[name].fmi_unit for name in ("stop.peak_moment", "stop.max_penetration")] == ["N.m", "rad"]

@@ -31,12 +31,12 @@ def test_the_record_has_no_pointers_and_knows_its_candidates():
         instance = PreparedScene(scene).new_instance()
         assert not instance.dtype.hasobject
         assert np.frombuffer(instance.tobytes(), instance.dtype) == instance
-        held = instance[0]
-        assert (held["link_count"], held["candidate_count"]) == (
+        record = instance[0]
+        assert (record["link_count"], record["candidate_count"]) == (
             len(scene.chain.links),
             len(candidates_of(scene)),
         )
-        pairs = zip(held["candidate"]["point"], held["candidate"]["wall"], strict=True)
+        pairs = zip(record["candidate"]["point"], record["candidate"]["wall"], strict=True)
         assert list(pairs) == candidates_of(scene)
 
 
@@ -62,10 +62,10 @@ def test_each_value_of_the_scene_stands_where_its_variable_is(model):
 def test_words_of_the_scene_become_numbers():
     box = load_scene("four_link_box")
     changes = {("contact", "model"): "flores", ("solver", "method"): "implicit"}
-    held = PreparedScene(with_values(box, changes)).new_instance()[0]
-    assert held["given"]["law"] == CONTACT_LAWS["flores"].number
-    assert held["solver"]["method"] == SOLVER_METHODS.index("implicit") + 1
-    assert (held["chain"]["has_base_joint"], held["chain"]["has_inputs"]) == (0, 0)
+    record = PreparedScene(with_values(box, changes)).new_instance()[0]
+    assert record["given"]["law"] == CONTACT_LAWS["flores"].number
+    assert record["solver"]["method"] == SOLVER_METHODS.index("implicit") + 1
+    assert (record["chain"]["has_base_joint"], record["chain"]["has_inputs"]) == (0, 0)
     arm = PreparedScene(load_scene("pinned_arm")).new_instance()[0]
     assert {point for point, _ in candidates_of(load_scene("pinned_arm"))} == {
         1,
@@ -75,7 +75,7 @@ def test_words_of_the_scene_become_numbers():
 
 
 def test_a_new_instance_holds_nothing_but_the_scene():
-    """Two instances are equal, and what the kernel writes is zero, but for one index (no contact)."""
+    """All that the kernel writes is zero, except one index (no contact)."""
     scene = load_scene("four_link_box")
     instance = PreparedScene(scene).new_instance()
     assert instance.nbytes < BUFFER
@@ -113,34 +113,37 @@ def count_calls(monkeypatch):
 
 
 def test_a_run_with_derivatives_and_an_fmu_work_each_part_out_once(monkeypatch, tmp_path):
-    made, once = count_calls(monkeypatch), dict.fromkeys(PARTS, 1)
-    wanted = {"output": ["point[1].*"], "sensitivities": ["link[1].*", "gravity.y"]}
-    result = simulate("rod_drop", stop_time=0.1, **wanted)
+    call_counts, once = count_calls(monkeypatch), dict.fromkeys(PARTS, 1)
+    choices = {"output": ["point[1].*"], "sensitivities": ["link[1].*", "gravity.y"]}
+    result = simulate("rod_drop", stop_time=0.1, **choices)
     assert result.sensitivities.units["point[1].x"] == "m"
-    assert made == once
-    made.clear()
-    prepared = PreparedScene(load_scene("pinned_arm"))
-    assert {**native_files(prepared, {}, 3), **documents(prepared, 3)}
-    assert made == once
+    assert call_counts == once
+    call_counts.clear()
+    prepared_scene = PreparedScene(load_scene("pinned_arm"))
+    assert {**native_files(prepared_scene, {}, 3), **documents(prepared_scene, 3)}
+    assert call_counts == once
 
 
 def test_the_start_of_a_prepared_scene_does_not_change():
-    prepared = PreparedScene(load_scene("rod_drop"))
-    assert prepared.start.tobytes() == prepared.new_instance().tobytes()
+    prepared_scene = PreparedScene(load_scene("rod_drop"))
+    assert prepared_scene.start.tobytes() == prepared_scene.new_instance().tobytes()
     with pytest.raises(ValueError, match="read-only"):
-        prepared.start["link_count"] = 2
-    starts, law = {v.name: prepared.start_text(v) for v in prepared.parameters}, CONTACT_LAWS["zhang_sharf"]
+        prepared_scene.start["link_count"] = 2
+    starts, law = (
+        {v.name: prepared_scene.start_text(v) for v in prepared_scene.parameters},
+        CONTACT_LAWS["zhang_sharf"],
+    )
     assert (starts["link[1].length"], starts["contact.model"]) == ("0.6", str(law.number))
 
 
 def test_a_prepared_scene_goes_to_another_process_as_its_scene():
-    prepared = PreparedScene(load_scene("rod_drop"))
-    alone = pickle.dumps(prepared)
-    names = [variable.name for variable in prepared.variables]
-    assert pickle.dumps(prepared) == alone
-    again = pickle.loads(alone)
-    assert again == prepared
-    assert [variable.name for variable in again.variables] == names
+    prepared_scene = PreparedScene(load_scene("rod_drop"))
+    pickled = pickle.dumps(prepared_scene)
+    names = [variable.name for variable in prepared_scene.variables]
+    assert pickle.dumps(prepared_scene) == pickled
+    loaded_scene = pickle.loads(pickled)
+    assert loaded_scene == prepared_scene
+    assert [variable.name for variable in loaded_scene.variables] == names
 
 
 def test_stops_and_materials_stand_in_the_record():
@@ -175,17 +178,20 @@ def test_walls_that_no_point_can_touch_need_no_room():
 
 
 def test_a_name_that_is_no_text_is_refused():
-    prepared = PreparedScene(load_scene("rod_drop"))
+    prepared_scene = PreparedScene(load_scene("rod_drop"))
     for refuse in (
-        prepared.indices_named,
-        partial(differentiable_named, prepared),
-        partial(columns_named, prepared),
+        prepared_scene.indices_named,
+        partial(differentiable_named, prepared_scene),
+        partial(columns_named, prepared_scene),
     ):
         with pytest.raises(UnknownNameError, match=r"RodDrop: \['point\[1\].x'\] is not an? "):
             refuse([["point[1].x"]])
-    kept = prepared.indices_named(["energy.*", "point[1].x"])
-    assert PreparedScene(prepared.scene).indices_named(name for name in [*kept.continuous]) is kept
-    assert "point[1].x" in kept.continuous
+    chosen_indices = prepared_scene.indices_named(["energy.*", "point[1].x"])
+    assert (
+        PreparedScene(prepared_scene.scene).indices_named(name for name in [*chosen_indices.continuous])
+        is chosen_indices
+    )
+    assert "point[1].x" in chosen_indices.continuous
 
 
 def test_another_thread_may_clear_the_kept_indices_at_any_time(monkeypatch):
@@ -193,9 +199,9 @@ def test_another_thread_may_clear_the_kept_indices_at_any_time(monkeypatch):
         def __setitem__(self, names, indices):
             self.clear()
 
-    prepared = PreparedScene(load_scene("rod_drop"))
-    monkeypatch.setattr(prepared, "_indices_by_names", ClearedAtOnce())
-    assert [*prepared.indices_named(["point[1].x", "energy.kinetic"]).continuous] == [
+    prepared_scene = PreparedScene(load_scene("rod_drop"))
+    monkeypatch.setattr(prepared_scene, "_indices_by_names", ClearedAtOnce())
+    assert [*prepared_scene.indices_named(["point[1].x", "energy.kinetic"]).continuous] == [
         "point[1].x",
         "energy.kinetic",
     ]

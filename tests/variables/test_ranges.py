@@ -32,13 +32,13 @@ from tests.helpers.scenes.derivative_scenes import table
 RANGES = dict(zip(RANGED_PATHS, zip(RANGE_LEAST, RANGE_MOST, strict=True), strict=True))
 KINDS = {
     kind.name: kind
-    for of, kinds in PARAMETERS
+    for owner, kinds in PARAMETERS
     for kind in kinds
-    if of not in ("material", "step") and not kind.choices
+    if owner not in ("material", "step") and not kind.choices
 }
-"""The parameters that are reals, without materials, which laws check, and without steps of signals."""
+"""The real parameters, without those of materials, which laws check, and without steps of signals."""
 OTHER_CHECKS = {
-    ("chain", "gravity"),  # the state and its energy at the start are finite
+    ("chain", "gravity"),  # the kernel checks that the state and its energy at the start are finite
     *(("initial", name) for name in ("position", "velocity", "angle", "angular_velocity")),
     *(("drive", stop) for stop in ("min", "max")),  # one stop is below the other
     *(("given", name) for name in ("stiffness", "restitution", "friction", "static_friction")),  # by the law
@@ -53,49 +53,51 @@ WIDER = {
 """Ranges in the kernel that are wider than those of the keys."""
 
 
-def expected(kind):
+def range_of_key(kind):
     """Return the range in the kernel that follows from the metadata of a parameter's key.
 
     The kernel has no other bounds than 0, and a limit may be missing.
     """
-    least = -LARGEST_DOUBLE if kind.minimum is None else 0.0
+    lower = -LARGEST_DOUBLE if kind.minimum is None else 0.0
     if kind.above is not None or (kind.minimum or 0.0) > 0.0:
-        least = SMALLEST_DOUBLE
-    return least, math.inf if kind.number_for_none == math.inf else LARGEST_DOUBLE
+        lower = SMALLEST_DOUBLE
+    return lower, math.inf if kind.number_for_none == math.inf else LARGEST_DOUBLE
 
 
 @pytest.mark.parametrize("name", KINDS)
 def test_a_parameter_has_the_range_of_its_key(name):
     kind = KINDS[name]
     path = tuple(map(str, kind.record_path[:2]))
-    assert RANGES.get(path) == (None if path in OTHER_CHECKS else WIDER.get(path, expected(kind)))
+    assert RANGES.get(path) == (None if path in OTHER_CHECKS else WIDER.get(path, range_of_key(kind)))
 
 
 def units_in_comments():
-    """Yield (part, field), and the comment that begins with the unit, for the fields of the record."""
+    """Yield ((part, field), the comment that begins with the unit) for the fields of the record."""
     for file in Path(record.__file__).parent.glob("*.py"):
-        part, above = "", ""
+        part, comment_above = "", ""
         for line in file.read_text("utf-8").splitlines():
-            if found := re.match(r"def (\w+)_dtype", line):
-                part = found[1]
-            if found := re.match(r'\s+\("(\w+)", [^#]*(?:# (.*))?$', line):
-                yield (part, found[1]), found[2] or above
-            above = found[1] if (found := re.match(r"\s+# (.*)", line)) and not above else above
-            above = above if re.match(r"\s+# (?!----)", line) else ""
+            if match := re.match(r"def (\w+)_dtype", line):
+                part = match[1]
+            if match := re.match(r'\s+\("(\w+)", [^#]*(?:# (.*))?$', line):
+                yield (part, match[1]), match[2] or comment_above
+            comment_above = (
+                match[1] if (match := re.match(r"\s+# (.*)", line)) and not comment_above else comment_above
+            )
+            comment_above = comment_above if re.match(r"\s+# (?!----)", line) else ""
 
 
 def test_the_comment_on_a_parameter_begins_with_the_unit_of_its_key():
-    """A field with a row for each joint and a last one for the slider has the comment of one of them."""
-    units, told = defaultdict(set), dict(units_in_comments())
+    """A field that ends with a row for the slider has the unit of a joint or of the slider in its comment."""
+    units, comments = defaultdict(set), dict(units_in_comments())
     for kind in KINDS.values():
         units[tuple(map(str, kind.record_path[:2]))].add(unit_text(kind.unit))
-    wrong = {
-        path: told[path]
-        for path in units.keys() & told.keys()
-        if "" not in units[path] and told[path].partition(",")[0] not in units[path]
+    wrong_comments = {
+        path: comments[path]
+        for path in units.keys() & comments.keys()
+        if "" not in units[path] and comments[path].partition(",")[0] not in units[path]
     }
-    assert len(units.keys() & told.keys()) > 50
-    assert wrong == {}
+    assert len(units.keys() & comments.keys()) > 50
+    assert wrong_comments == {}
 
 
 def test_no_other_field_has_a_range():
@@ -104,16 +106,16 @@ def test_no_other_field_has_a_range():
 
 def test_the_compiled_kernel_refuses_values_out_of_range_by_their_link():
     rod = {"length": 0.3, "mass": 1.0, "joint_max": 1.0}
-    still = {"position": [0.0, 0.0], "angles": [0.0] * 3}
+    initial = {"position": [0.0, 0.0], "angles": [0.0] * 3}
     links = [rod | {"points": [{"x": 0.1, "y": 0.05}]}, rod, rod]
-    instance = Instance(table(links, base="slider", initial=still, box={"y_min": -9.0}))
+    instance = Instance(table(links, base="slider", initial=initial, box={"y_min": -9.0}))
     d, start = instance.record, instance.words.copy()
     of_links = 0
-    for (part, field), (least, _) in RANGES.items():
-        given = f"given_{field}"
-        own = d[part][[given if given in d[part].dtype.names else field]]
-        name, shape = own.dtype.names[0], own[0].shape
-        for value in (math.nan, -1.0) if least >= 0.0 else (math.nan,):
+    for (part, field), (lower, _) in RANGES.items():
+        given_name = f"given_{field}"
+        field_of_part = d[part][[given_name if given_name in d[part].dtype.names else field]]
+        name, shape = field_of_part.dtype.names[0], field_of_part[0].shape
+        for value in (math.nan, -1.0) if lower >= 0.0 else (math.nan,):
             if 0 in shape:
                 continue  # no signals
             instance.words[:] = start
@@ -133,10 +135,10 @@ def test_the_compiled_kernel_refuses_values_out_of_range_by_their_link():
 def test_the_compiled_kernel_refuses_an_integer_beyond_its_bounds():
     rod = {"length": 0.3, "mass": 1.0, "joint_friction": 0.1, "joint_max": 1.0}
     signal = {"input": "joint[2].torque", "form": "ramp", "final": 1.0, "duration": 1.0}
-    still = {"position": [0.0, 0.0], "angles": [0.0] * 2}
+    initial = {"position": [0.0, 0.0], "angles": [0.0] * 2}
     extra = {"inputs": {"joint_torques": True}, "signals": {"push": signal}}
     links = [{"length": 0.3, "mass": 1.0}, rod]
-    instance = Instance(table(links, initial=still, box={"y_min": -9.0}, **extra))
+    instance = Instance(table(links, initial=initial, box={"y_min": -9.0}, **extra))
     d, start = Plain(instance.record), instance.words.copy()
     assert instance.is_sound(instance.words)
     checked = 0

@@ -32,15 +32,17 @@ def names_of(*rules):
 
 
 def members_of(name):
-    """Return the names of the values that the members of a list have, in a scene that has such members."""
+    """Return the names of all values of a list's members, in the scenes EVERYTHING and CART."""
     lists = [structure_of(scene).lists.get(name) for scene in (EVERYTHING, CART)]
     return {value for members in lists for member in members or () for value in member}
 
 
-def are_known(known, *rules):
-    """Return whether the names in rules are known, or of members of the lists that the rules name."""
+def are_known(known_names, *rules):
+    """Return whether each name in rules is in known_names, or a value of members of a list that they name."""
     names = names_of(*rules)
-    return names - known - {"order"} <= {name for one in names & LISTS.keys() for name in members_of(one)}
+    return names - known_names - {"order"} <= {
+        name for list_name in names & LISTS.keys() for name in members_of(list_name)
+    }
 
 
 @pytest.mark.parametrize("scene", [EVERYTHING, CART], ids=["everything", "cart"])
@@ -48,40 +50,40 @@ def test_each_fact_and_each_list_is_explained(scene):
     structure = structure_of(scene)
     assert {*structure.numbers} == FACTS.keys() | KEYS | LISTS.keys() | {*COUNTS}
     assert structure.lists.keys() == LISTS.keys()
-    assert all(name in LISTS[one].meaning for one in LISTS for name in members_of(one))
+    assert all(name in LISTS[list_name].meaning for list_name in LISTS for name in members_of(list_name))
 
 
 def test_names_in_the_tables_are_known():
-    known = LISTS.keys() | FILE_KEYS
-    for one, row in LISTS.items():
+    known_names = LISTS.keys() | FILE_KEYS
+    for list_name, row in LISTS.items():
         rules = [row.source_list, row.condition, *row.values.values()] if row.source_list else []
-        assert are_known(known | row.values.keys(), *rules), one
+        assert are_known(known_names | row.values.keys(), *rules), list_name
     for name, (rule, meaning) in FACTS.items():
-        assert are_known(known, rule), name
+        assert are_known(known_names, rule), name
         assert meaning
-        known |= {name}
+        known_names |= {name}
     assert COUNT_RULES.keys() == {*COUNTS}
-    assert are_known(known, *COUNT_RULES.values())
-    known |= {*COUNTS}
+    assert are_known(known_names, *COUNT_RULES.values())
+    known_names |= {*COUNTS}
     for kind, row in OWNER_KINDS.items():
         rules = [row.condition, row.source_list, *row.numbers.values(), *row.conditions.values()]
-        assert are_known(known | row.conditions.keys(), *rules), kind
+        assert are_known(known_names | row.conditions.keys(), *rules), kind
         assert row.conditions.keys() <= OWN_CONDITIONS.keys(), kind
     for name, row in RECORD_NUMBERS.items():
-        assert are_known(known, row.number, row.source_list, row.at), name
+        assert are_known(known_names, row.number, row.source_list, row.at), name
 
 
 def test_the_conditions_of_variables_are_known():
-    known = FACTS.keys() | KEYS | LISTS.keys() | {*COUNTS} | OWN_CONDITIONS.keys()
+    known_names = FACTS.keys() | KEYS | LISTS.keys() | {*COUNTS} | OWN_CONDITIONS.keys()
     kinds = [kind for table in (PARAMETERS, INPUTS, OUTPUTS) for of_owner in table for kind in of_owner.kinds]
     for kind in kinds:
         conditions = {*kind.when, kind.tunable, kind.stores_given_if} - {""}
-        assert conditions <= known | members_of(OWNER_KINDS[kind.owner_kind].source_list), kind.name
+        assert conditions <= known_names | members_of(OWNER_KINDS[kind.owner_kind].source_list), kind.name
 
 
 def test_no_owner_changes_what_holds_for_its_scene():
     of_scenes = FACTS.keys() | KEYS | LISTS.keys() | {*COUNTS}
-    of_members = {name for one in LISTS for name in members_of(one)} | {"order"}
+    of_members = {name for list_name in LISTS for name in members_of(list_name)} | {"order"}
     assert not of_scenes & OWN_CONDITIONS.keys()
     assert not of_scenes & of_members
     assert not OWN_CONDITIONS.keys() & of_members
@@ -92,22 +94,33 @@ def test_no_owner_changes_what_holds_for_its_scene():
 )
 def test_the_conditions_of_a_scene_are_those_that_users_read(scene):
     structure = structure_of(scene)
-    known, links, slider, contact = structure.numbers, scene.chain.links, scene.chain.slider, scene.contact
-    asked, walls = scene.inputs.wall_motion, scene.half_planes
-    moving = [name for name in scene.wall_names if name in walls and {"*", name} & {*asked}]
-    assert [wall["name"] for wall in structure.lists["moving_walls"]] == moving
-    own = [value for wall in contact.wall.values() for value in (wall.friction, wall.static_friction)]
+    conditions, links, slider, contact = (
+        structure.numbers,
+        scene.chain.links,
+        scene.chain.slider,
+        scene.contact,
+    )
+    asked_walls, walls = scene.inputs.wall_motion, scene.half_planes
+    moving_walls = [name for name in scene.wall_names if name in walls and {"*", name} & {*asked_walls}]
+    assert [wall["name"] for wall in structure.lists["moving_walls"]] == moving_walls
+    wall_coefficients = [
+        value for wall in contact.wall.values() for value in (wall.friction, wall.static_friction)
+    ]
     coefficients = contact.friction + contact.static_friction
-    rubs = bool(point_wall_pairs(scene)) and (coefficients > 0.0 or own != [None] * len(own))
-    assert known["has_contact_friction"] == rubs
+    rubs = bool(point_wall_pairs(scene)) and (
+        coefficients > 0.0 or wall_coefficients != [None] * len(wall_coefficients)
+    )
+    assert conditions["has_contact_friction"] == rubs
     jointed = links if scene.chain.base != "free" else links[1:]
     in_joints = any(link.joint_friction for link in jointed)
-    assert known["has_dry_friction"] == (rubs or in_joints or (slider is not None and slider.friction > 0.0))
-    assert known["skewed"] == any(link.center_of_mass_offset for link in links)
+    assert conditions["has_dry_friction"] == (
+        rubs or in_joints or (slider is not None and slider.friction > 0.0)
+    )
+    assert conditions["skewed"] == any(link.center_of_mass_offset for link in links)
     limits = [slider and slider.force_limit, *(link.joint_torque_limit for link in links)]
     asks = [getattr(scene.inputs, key) for key in INPUTS_OF]
-    assert known["has_supply"] == (any(asks) or limits != [None] * len(limits))
-    assert known["has_base_joint"] == scene.chain.has_base_joint
+    assert conditions["has_supply"] == (any(asks) or limits != [None] * len(limits))
+    assert conditions["has_base_joint"] == scene.chain.has_base_joint
 
 
 def test_joint_stops_are_one_owner_and_sliders_have_no_friction():

@@ -1,4 +1,4 @@
-"""The table of FMU variables: the designed names, each at its place, and no variable without its feature."""
+"""The table of FMU variables: the designed names, with their words of the record and their features."""
 
 # Tests: variables/listing.py
 
@@ -25,36 +25,36 @@ LEGAL |= {("output", "continuous", "calculated"), ("output", "discrete", "calcul
 
 
 def test_variables_have_legal_names_units_and_descriptions():
-    """Structured names, none twice; parameters, inputs and outputs in this order."""
+    """Names are structured and unique; parameters, inputs and outputs come in this order."""
     part = r"[a-z_]\w*(\[\d+\])?"
     for scene in SCENES.values():
         variables = PreparedScene(scene).variables
-        found = [variable.name for variable in variables]
-        assert len(set(found)) == len(found)
-        assert all(re.fullmatch(rf"{part}(\.{part})*", name) for name in found)
+        variable_names = [variable.name for variable in variables]
+        assert len(set(variable_names)) == len(variable_names)
+        assert all(re.fullmatch(rf"{part}(\.{part})*", name) for name in variable_names)
         layout = PreparedScene(scene).new_instance().dtype
         words = [word_index(layout, variable.record_path) for variable in variables]
         assert len(set(words)) == len(words)
         assert 0 <= min(words) <= max(words) < layout.itemsize // 8
         causalities = [variable.causality for variable in variables]
         assert causalities == sorted(causalities, key=["parameter", "input", "output"].index)
-        for one in variables:
-            assert (one.causality, one.variability, one.initial) in LEGAL
-            assert one.variability != "continuous" or one.type == "real"
-            assert one.description.strip() == one.description != ""
-            assert (one.unit in UNITS) == (one.type == "real")
-            assert bool(one.items) == (one.type == "enumeration")
-    used = {variable.unit for scene in SCENES.values() for variable in PreparedScene(scene).variables}
-    assert used - {""} == set(UNITS)
+        for variable in variables:
+            assert (variable.causality, variable.variability, variable.initial) in LEGAL
+            assert variable.variability != "continuous" or variable.type == "real"
+            assert variable.description.strip() == variable.description != ""
+            assert (variable.unit in UNITS) == (variable.type == "real")
+            assert bool(variable.items) == (variable.type == "enumeration")
+    units = {variable.unit for scene in SCENES.values() for variable in PreparedScene(scene).variables}
+    assert units - {""} == set(UNITS)
 
 
 def test_word_index_counts_as_numpy_does():
     instance = PreparedScene(SCENES["four_link_box"]).new_instance()
     instance.view(np.int64)[:] = np.arange(instance.nbytes // 8)
-    whole = instance.view(instance.dtype)[0]
-    assert word_index(instance.dtype, ("candidate", 7, "wall")) == whole["candidate"]["wall"][7]
+    record = instance.view(instance.dtype)[0]
+    assert word_index(instance.dtype, ("candidate", 7, "wall")) == record["candidate"]["wall"][7]
     place = ("step", "dense", 2, 5)
-    assert word_index(instance.dtype, place) == whole["step"]["dense"].view(np.int64)[2, 5]
+    assert word_index(instance.dtype, place) == record["step"]["dense"].view(np.int64)[2, 5]
 
 
 NOWHERE = [
@@ -72,8 +72,7 @@ def test_word_index_refuses_what_is_not_there_or_not_one_number(place):
         word_index(PreparedScene(SCENES["four_link_box"]).new_instance().dtype, place)
 
 
-# --- variables of a scene's features
-# ----------------------------------------------------------------------------------
+# --- variables of a scene's features -------------------------------------------------------------------
 
 
 def test_parameters_of_the_four_link_box():
@@ -97,7 +96,7 @@ IMPACT += ("peak_force", "max_penetration", "impulse")
 
 
 def test_outputs_of_the_four_link_box():
-    found = Counter(re.sub(r"\d+", "#", name) for name in names(SCENES["four_link_box"], "output"))
+    counts = Counter(re.sub(r"\d+", "#", name) for name in names(SCENES["four_link_box"], "output"))
     expected = {f"point[#].{key}": 5 for key in ("x", "y", "vx", "vy", "ax", "ay")}
     expected |= {f"link[#].{key}": 4 for key in ("angle", "angular_velocity", "angular_acceleration")}
     expected |= dict.fromkeys(("joint[#].angle", "joint[#].angular_velocity"), 3)
@@ -108,24 +107,24 @@ def test_outputs_of_the_four_link_box():
     expected |= {f"impact[#].{key}": 8 for key in IMPACT}
     keys = ("steps", "rejected_steps", "rhs_evaluations", "implicit_steps", "status")
     single += [f"solver.{key}" for key in keys]
-    assert found == expected | dict.fromkeys(single, 1)
+    assert counts == expected | dict.fromkeys(single, 1)
 
 
 def test_outputs_are_those_asked_for():
-    asked = dict.fromkeys(("points", "links", "contacts", "energies", "solver"), False) | {"impacts": 2}
-    scene = SCENES["four_link_box"].with_values({f"outputs.{key}": value for key, value in asked.items()})
-    found = names(scene, "output")
+    groups = dict.fromkeys(("points", "links", "contacts", "energies", "solver"), False) | {"impacts": 2}
+    scene = SCENES["four_link_box"].with_values({f"outputs.{key}": value for key, value in groups.items()})
+    output_names = names(scene, "output")
     last = [f"joint[{i}].{key}" for i in (2, 3, 4) for key in ("angle", "angular_velocity")]
     last += [f"impact.{key}" for key in ("count", "last_time", "last_point", "last_wall", "last_speed")]
-    assert found == last + [f"impact[{j}].{key}" for j in (1, 2) for key in IMPACT]
+    assert output_names == last + [f"impact[{j}].{key}" for j in (1, 2) for key in IMPACT]
     none = scene.with_values({"outputs.impacts": 0})
     assert names(none, "output") == last
 
 
 def test_inputs_exist_only_if_asked_for():
     assert names(SCENES["four_link_box"], "input") == []
-    driven = ["joint[2].torque", "joint[3].torque", "joint[4].torque", "tip.force.x", "tip.force.y"]
-    assert names(SCENES["driven"], "input") == driven
+    driven_inputs = ["joint[2].torque", "joint[3].torque", "joint[4].torque", "tip.force.x", "tip.force.y"]
+    assert names(SCENES["driven"], "input") == driven_inputs
     assert names(SCENES["pinned_arm"], "input") == ["joint[1].torque", "joint[2].torque"]
     assert "energy.supplied" in names(SCENES["driven"], "output")
 
@@ -137,8 +136,11 @@ def test_only_the_walls_and_points_of_the_scene():
     assert touching == {"contact[1].x_max", "contact[2].x_max"}
     assert "initial.x" in arm
     assert "initial.vx" not in arm
-    found = names(SCENES["two points"], "output")
-    assert {name.partition(".")[0] for name in found if "contact" in name} == {"contact[0]", "contact[3]"}
+    output_names = names(SCENES["two points"], "output")
+    assert {name.partition(".")[0] for name in output_names if "contact" in name} == {
+        "contact[0]",
+        "contact[3]",
+    }
 
 
 def test_walls_at_any_angle_have_their_own_variables():
@@ -163,9 +165,7 @@ def test_walls_at_any_angle_have_their_own_variables():
 
 # --- parameters ----------------------------------------------------------------------------------------
 
-
-# end of a name → function from the present value to an allowed one, where no value near it is allowed
-ALLOWED = {
+ALLOWED_VALUES = {
     "box.x_min": lambda _: -1.0,  # the start must stay outside the wall
     "box.y_min": lambda _: -1.0,
     "initial.angle[3]": lambda present: present - 0.01,  # the start must stay within the stop of a knee
@@ -173,44 +173,47 @@ ALLOWED = {
     "stop.exponent": lambda _: 1.25,
     ".static_friction": lambda _: 1.1,  # at least the sliding friction
 }
+"""End of a parameter's name, if values near the present one are forbidden → function to an allowed value."""
 
 
 @pytest.mark.full("more cases", but=14)
 @pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
 def test_each_parameter_sets_its_place_and_nothing_else(scene):
-    """Only values in use that the scene derives, such as corners of a box, change as well."""
+    """Only values that the scene derives, such as corners of a box, change as well."""
     if scene is SCENES["rocking_block"]:  # the block stands on the floor, where a radius has no room
         scene = scene.with_values({"initial.y": 0.1})
-    # a rising sine may begin at any time
+    # with a rise, a sine of a position may begin at any time, because it begins at rest
     sines = [name for name, signal in scene.signals.items() if signal.form == "sine"]
     scene = scene.with_values({f"signal.{name}.rise": 0.1 for name in sines})
     paths = PreparedScene(scene).parameter_paths
-    before = PreparedScene(scene).new_instance()
-    followers = {word_index(before.dtype, v.record_path) for v in PreparedScene(scene).parameters if v.rule}
+    before_change = PreparedScene(scene).new_instance()
+    derived_words = {
+        word_index(before_change.dtype, v.record_path) for v in PreparedScene(scene).parameters if v.rule
+    }
     if any(link.shape for link in scene.chain.links):  # the corners of a box
-        sites = before.dtype["site"]
-        followers |= {
-            word_index(before.dtype, ("site", name, s))
+        sites = before_change.dtype["site"]
+        derived_words |= {
+            word_index(before_change.dtype, ("site", name, s))
             for name in ("x", "y", "given_radius", "radius")
             for s in range(sites[name].shape[0])
         }
     for variable in PreparedScene(scene).variables:
         if variable.causality != "parameter":
             continue
-        path, word = paths[variable.name], word_index(before.dtype, variable.record_path)
+        path, word = paths[variable.name], word_index(before_change.dtype, variable.record_path)
         if variable.items:
             value, stored = variable.items[0].name, 1
             view = np.int64
         else:
             view = np.float64
-            value = stored = 0.999 * before.view(view)[word].item() + 1e-4
-        if key := next(filter(variable.name.endswith, ALLOWED), None):
-            value = stored = ALLOWED[key](stored)
-        after = PreparedScene(with_values(scene, {path: value})).new_instance()
-        assert after.view(view)[word] == stored
-        changed = np.flatnonzero(after.view(np.int64) != before.view(np.int64))
-        places = {word, word_index(before.dtype, variable.set_path)}
-        assert set(changed) <= places | followers, variable.name
+            value = stored = 0.999 * before_change.view(view)[word].item() + 1e-4
+        if key := next(filter(variable.name.endswith, ALLOWED_VALUES), None):
+            value = stored = ALLOWED_VALUES[key](stored)
+        after_change = PreparedScene(with_values(scene, {path: value})).new_instance()
+        assert after_change.view(view)[word] == stored
+        changed_words = np.flatnonzero(after_change.view(np.int64) != before_change.view(np.int64))
+        places = {word, word_index(before_change.dtype, variable.set_path)}
+        assert set(changed_words) <= places | derived_words, variable.name
 
 
 def test_enumerations_number_laws_and_methods_as_the_kernel_does():
@@ -221,12 +224,15 @@ def test_enumerations_number_laws_and_methods_as_the_kernel_does():
 
 
 def test_limits_come_from_the_scene():
-    found = variables(SCENES["rod_drop"])
-    assert (found["contact.restitution"].minimum, found["contact.restitution"].maximum) == (0.0, 1.0)
-    assert found["link[1].mass"].exclusive_minimum == 0.0
-    assert found["link[1].mass"].allowed == "a finite number > 0 [kg]"
-    assert found["contact.model"].allowed.startswith("one of 1 (hertz), 2 (hunt_crossley), ")
-    tunable = {name for name, variable in found.items() if variable.variability == "tunable"}
+    variables_found = variables(SCENES["rod_drop"])
+    assert (
+        variables_found["contact.restitution"].minimum,
+        variables_found["contact.restitution"].maximum,
+    ) == (0.0, 1.0)
+    assert variables_found["link[1].mass"].exclusive_minimum == 0.0
+    assert variables_found["link[1].mass"].allowed == "a finite number > 0 [kg]"
+    assert variables_found["contact.model"].allowed.startswith("one of 1 (hertz), 2 (hunt_crossley), ")
+    tunable = {name for name, variable in variables_found.items() if variable.variability == "tunable"}
     assert tunable == {"contact.model", "contact.stiffness", "contact.restitution"}
 
 
@@ -248,12 +254,12 @@ def test_columns_are_those_of_the_recorded_outputs():
             rubbing if scene.has_friction else 0,
             links + len(scene.wall_names) if scene.outputs.loads else 0,
         )
-        given = (
+        counts = (
             PreparedScene(scene).counts.channel_count,
             len(scene.chain.sites),
             len(signal_inputs_of(scene)),
         )
-        assert outputs.dtype == output_dtype(links, pairs, *rows, *given)
+        assert outputs.dtype == output_dtype(links, pairs, *rows, *counts)
         width = outputs.dtype.itemsize // 8
         outputs.view(np.float64)[:] = np.arange(3 * width)
         columns, layout = PreparedScene(scene).series(outputs), PreparedScene(scene).new_instance().dtype

@@ -15,19 +15,18 @@ PLAIN = [name for name, unit in UNITS.items() if unit.powers is not None]
 def powers_of(name):
     """Return the powers of base units in a name such as ``N.m.s/rad``."""
     total = Counter()
-    above, _, below = name.partition("/")
-    for part, sign in ((above, 1), (below, -1)):
+    numerator, _, denominator = name.partition("/")
+    for part, sign in ((numerator, 1), (denominator, -1)):
         for factor in filter(None, part.split(".")):
             base, power = re.fullmatch(r"([A-Za-z1]+?)(\d?)", factor).groups()
-            for one, count in DERIVED.get(base, {base: 1}).items():
-                total[one] += sign * count * int(power or 1)
+            for base_unit, count in DERIVED.get(base, {base: 1}).items():
+                total[base_unit] += sign * count * int(power or 1)
     return {base: power for base, power in total.items() if power}
 
 
 def test_a_unit_has_the_powers_that_its_name_says():
-    # an angle is a pure number unless it occurs in the name
-    found = {name: {base: n for base, n in UNITS[name].powers.items() if n} for name in PLAIN}
-    assert found == {name: powers_of(name) for name in PLAIN}
+    powers = {name: {base: n for base, n in UNITS[name].powers.items() if n} for name in PLAIN}
+    assert powers == {name: powers_of(name) for name in PLAIN}
     assert [name for name in UNITS if name not in PLAIN] == ["N/m^exponent", "N.m/rad^exponent"]
 
 
@@ -40,9 +39,9 @@ def test_a_quotient_is_written_as_one():
 def test_the_powers_of_a_quotient_are_differences(above, below):
     powers = Counter(UNITS[above].powers)
     powers.subtract(UNITS[below].powers)
-    found = unit_of(f"{above}/({below})")
-    assert found.powers == {base: power for base, power in powers.items() if power}
-    assert found.quantity == f"{UNITS[above].quantity}Per{UNITS[below].quantity}"
+    quotient_unit = unit_of(f"{above}/({below})")
+    assert quotient_unit.powers == {base: power for base, power in powers.items() if power}
+    assert quotient_unit.quantity == f"{UNITS[above].quantity}Per{UNITS[below].quantity}"
     assert unit_of(above) is UNITS[above]
     assert unit_of("m/(N/m^exponent)").powers is None
 

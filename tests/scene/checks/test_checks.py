@@ -24,7 +24,7 @@ HEEL = "link[2].point[1].x"
 
 
 def refused(*changes) -> str:
-    """Return the message for the four-link scene with (path, value) changes; it starts with the source."""
+    """Return the message for (path, value) changes of the four-link scene, without the name of the scene."""
     message = refusal(with_values, load_scene("four_link_box"), dict(changes))
     assert message.startswith("FourLinkBox: ")
     return message.removeprefix("FourLinkBox: ")
@@ -54,13 +54,13 @@ def change(text):
 
 
 def test_scenes_are_refused_with_the_listed_sentences():
-    scenes, wrong = {"finger": parse_scene(FINGER, "finger.toml")}, []
-    for name, changes, message in table():
+    scenes, mismatches = {"finger": parse_scene(FINGER, "finger.toml")}, []
+    for name, changes, start in table():
         scene = scenes.setdefault(name, scenes.get(name) or load_scene(name))
-        found = refusal(with_values, scene, changes)
-        if not found.startswith(f"{scene.name}: {message}"):
-            wrong.append((changes, found))
-    assert wrong == []
+        message = refusal(with_values, scene, changes)
+        if not message.startswith(f"{scene.name}: {start}"):
+            mismatches.append((changes, message))
+    assert mismatches == []
 
 
 @pytest.mark.parametrize("path", [(), 5])
@@ -77,8 +77,8 @@ def test_no_rebound_is_refused_by_the_laws_that_divide_by_restitution():
         if law.allows_zero:
             assert with_values(load_scene("rod_drop"), plastic).contact.restitution == 0.0
         else:
-            needed = f"must be > 0 for the contact model {law.id}; newton_impact allows 0"
-            assert refused(*plastic.items()) == f"contact.restitution = 0.0 {needed}"
+            requirement = f"must be > 0 for the contact model {law.id}; newton_impact allows 0"
+            assert refused(*plastic.items()) == f"contact.restitution = 0.0 {requirement}"
 
 
 def test_the_start_may_touch_a_wall_but_not_by_more_than_round_off():
@@ -93,8 +93,8 @@ def test_the_start_may_touch_a_wall_but_not_by_more_than_round_off():
 
 def test_a_pinned_base_beyond_a_wall_is_warned_of():
     arm = load_scene("pinned_arm")
-    told = r"pinned base at \(0, 0\) m is 0\.1 m beyond the wall x_max"
-    with pytest.warns(SceneWarning, match=told):
+    pattern = r"pinned base at \(0, 0\) m is 0\.1 m beyond the wall x_max"
+    with pytest.warns(SceneWarning, match=pattern):
         arm.with_values({"box.x_max": -0.1})
     with warnings.catch_warnings():
         warnings.simplefilter("error", SceneWarning)
@@ -102,16 +102,16 @@ def test_a_pinned_base_beyond_a_wall_is_warned_of():
 
 
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("changes", "question"),
     [
         ({"link[1].length": 500.0}, "link[1].length = 500 m is long for link[1].mass = 1 kg: is it in mm?"),
         ({"gravity.y": -9810.0}, "m/s² is a thousand times as strong as on earth: is it in mm/s²?"),
         ({HEEL: -60.0}, "point 3 is 60 m from the joint of its link, far for a chain of 0.5 m"),
     ],
 )
-def test_lengths_in_millimetres_are_asked_about(changes, told):
+def test_lengths_in_millimetres_are_asked_about(changes, question):
     model, outside = ("hopper", "box.y_min") if HEEL in changes else ("pinned_arm", "box.x_max")
-    with pytest.warns(SceneWarning, match=re.escape(told)):
+    with pytest.warns(SceneWarning, match=re.escape(question)):
         load_scene(model).with_values({outside: None, **changes})
 
 
@@ -127,10 +127,10 @@ def test_a_wall_has_an_angle_or_a_normal_and_keeps_the_angle():
     assert [wall.normal for wall in scene.walls] == [None, None]
     assert scene.wall_names == ("x_min", "x_max", "y_min", "y_max", "ramp", "floor")
     assert scene_to_dict(scene)["walls"][1] == {"name": "floor", "point": [0.0, -2.0], "angle": 0.25}
-    turned = with_values(scene, {("walls", 0, "angle"): -0.5, ("walls", 1, "point", 0): 3})
-    assert (turned.walls[0].angle, turned.walls[1].point) == (-0.5, (3.0, -2.0))
-    again = {("walls", 0, "angle"): None, ("walls", 0, "normal"): [0, 2]}
-    assert with_values(scene, again).walls[0].angle == 0.0
+    turned_scene = with_values(scene, {("walls", 0, "angle"): -0.5, ("walls", 1, "point", 0): 3})
+    assert (turned_scene.walls[0].angle, turned_scene.walls[1].point) == (-0.5, (3.0, -2.0))
+    changes = {("walls", 0, "angle"): None, ("walls", 0, "normal"): [0, 2]}
+    assert with_values(scene, changes).walls[0].angle == 0.0
 
 
 def test_initial_angles_of_joints_take_the_place_of_those_of_links():
@@ -139,29 +139,31 @@ def test_initial_angles_of_joints_take_the_place_of_those_of_links():
     scene = scene_from_dict(data | {"initial": data["initial"] | joints}, "here")
     angles = np.cumsum([0.35, -math.pi / 4.0, 1.3, -1.0])
     np.testing.assert_array_equal(scene.initial.angles, angles)
-    # the scene then has angles of its links
+    # the scene stores the angles of links only
     assert scene_to_dict(scene)["initial"]["angles"] == angles.tolist()
     assert "joint_angles" not in scene_to_dict(scene)["initial"]
     assert not any("angles" in place for place in scene.derived_paths)
-    changed = load_scene("four_link_box").with_values({"initial.joint_angles": joints["joint_angles"]})
-    assert changed.initial == scene.initial
+    changed_scene = load_scene("four_link_box").with_values({"initial.joint_angles": joints["joint_angles"]})
+    assert changed_scene.initial == scene.initial
     part = {"initial.joint_angles": joints["joint_angles"], "initial.angle[1]": 0.2}
     assert "both angles and joint_angles" in refusal(load_scene("four_link_box").with_values, part)
-    told = r"initial.angle\[1\] is set, and the absolute angles of the links behind it stay"
-    with pytest.warns(SceneWarning, match=told):
-        alone = scene.with_values({"link[1].joint_damping": 0.1}).with_values({"initial.angle[1]": 0.2})
-    assert alone.initial.angles == (0.2, *scene.initial.angles[1:])
+    pattern = r"initial.angle\[1\] is set, and the absolute angles of the links behind it stay"
+    with pytest.warns(SceneWarning, match=pattern):
+        turned_scene = scene.with_values({"link[1].joint_damping": 0.1}).with_values(
+            {"initial.angle[1]": 0.2}
+        )
+    assert turned_scene.initial.angles == (0.2, *scene.initial.angles[1:])
     with warnings.catch_warnings():
         warnings.simplefilter("error", SceneWarning)
         scene.with_values({"initial.angle[4]": 0.2})
         scene.with_values({"initial.angles": scene.initial.angles}).with_values({"initial.angle[1]": 0.2})
         load_scene("four_link_box").with_values({"initial.angle[1]": 0.2})
-    both = data | {"initial": data["initial"] | {"joint_angles": [0.0, 0.0, 0.0, 0.0]}}
-    assert "both angles and joint_angles" in refusal(scene_from_dict, both, "here")
+    data_with_both = data | {"initial": data["initial"] | {"joint_angles": [0.0, 0.0, 0.0, 0.0]}}
+    assert "both angles and joint_angles" in refusal(scene_from_dict, data_with_both, "here")
 
 
 def test_models_give_no_hints():
-    assert {name: found for name in model_names() if (found := hints(load_scene(name)))} == {}
+    assert {name: found_hints for name in model_names() if (found_hints := hints(load_scene(name)))} == {}
 
 
 def test_a_start_in_a_wall_asks_whether_a_length_is_in_mm():

@@ -21,12 +21,14 @@ STEPS = 'form = "steps"\ntimes = [0.0, 0.3]\nvalues = [0.0, 1.0]\n'
 
 
 def refused(*signals, scene=ARM):
-    tables = (f'[signals.{name}]\ninput = "{driven}"\n{numbers}\n' for name, driven, numbers in signals)
+    tables = (
+        f'[signals.{name}]\ninput = "{input_name}"\n{numbers}\n' for name, input_name, numbers in signals
+    )
     return refusal(parse_scene, "\n".join([scene, *tables]), "arm.toml")
 
 
 @pytest.mark.parametrize(
-    ("driven", "numbers", "message"),
+    ("input_name", "numbers", "message"),
     [
         (
             "joint[3].torque",
@@ -67,14 +69,14 @@ def refused(*signals, scene=ARM):
         ("tip.force.x", 'form = "wave"', "signals.a.form = 'wave' must be one of"),
     ],
 )
-def test_a_signal_that_cannot_be_is_refused(driven, numbers, message):
-    assert message in refused(("a", driven, numbers))
+def test_a_signal_that_cannot_be_is_refused(input_name, numbers, message):
+    assert message in refused(("a", input_name, numbers))
 
 
 def test_a_wall_that_nothing_can_touch_does_not_move():
     untouched = ARM.replace("points = [2]", "points = []")
-    told = refused(("a", "wall.table.belt_speed", SINE), scene=untouched)
-    assert "is not an input of the scene; no point can touch a wall" in told
+    message = refused(("a", "wall.table.belt_speed", SINE), scene=untouched)
+    assert "is not an input of the scene; no point can touch a wall" in message
 
 
 @pytest.mark.parametrize("column", ["base.y", "base.vy"])
@@ -87,8 +89,8 @@ def test_a_table_and_a_signal_of_one_motion_are_refused(tmp_path, column):
 
 
 def test_an_input_is_driven_by_one_signal():
-    told = refused(("a", "base.y", SINE), ("b", "base.vy", SINE))
-    assert "signals.b.input = 'base.vy' must be driven by one signal only: signals.a drives base.y" in told
+    message = refused(("a", "base.y", SINE), ("b", "base.vy", SINE))
+    assert "signals.b.input = 'base.vy' must be driven by one signal only: signals.a drives base.y" in message
     assert "signals.a drives tip.force.x" in refused(("a", "tip.force.x", SINE), ("b", "tip.force.x", STEPS))
 
 
@@ -116,14 +118,14 @@ def test_a_table_that_cannot_be_is_refused(tmp_path, name):
 def test_a_driven_input_is_an_output_of_the_same_name():
     text = f'{ARM}[signals.a]\ninput = ["base.y", "base.x"]\n{SINE}'
     text += f'[signals.b]\ninput = "joint[1].target_angle"\n{RAMP}'
-    prepared = PreparedScene(parse_scene(text, "arm.toml"))
-    driven = [f"base.{prefix}{axis}" for axis in "yx" for prefix in ("", "v", "a")]
-    driven += ["joint[1].target_angle", "joint[1].target_velocity"]
-    assert not {one.name for one in prepared.inputs} & {*driven}
-    assert {*driven} <= {output.name for output in prepared.outputs}
+    prepared_scene = PreparedScene(parse_scene(text, "arm.toml"))
+    driven_names = [f"base.{prefix}{axis}" for axis in "yx" for prefix in ("", "v", "a")]
+    driven_names += ["joint[1].target_angle", "joint[1].target_velocity"]
+    assert not {variable.name for variable in prepared_scene.inputs} & {*driven_names}
+    assert {*driven_names} <= {output.name for output in prepared_scene.outputs}
     numbers = {
         parameter.name: parameter.unit
-        for parameter in prepared.parameters
+        for parameter in prepared_scene.parameters
         if parameter.name.startswith("signal.")
     }
     units = {"signal.a.amplitude": "m", "signal.b.final": "rad", "signal.a.frequency": "Hz"}
@@ -134,21 +136,21 @@ def test_a_driven_input_is_an_output_of_the_same_name():
 def test_a_scene_with_signals_is_written_and_read_again():
     scene = parse_scene(f'{ARM}[signals.a]\ninput = "tip.force.x"\n{STEPS}', "arm.toml")
     assert scene_from_dict(scene_to_dict(scene), "again") == scene
-    changed = scene.with_values({"signals.a.value[2]": 2.5, "signals.a.times[2]": 0.4})
-    assert (changed.signals["a"].times, changed.signals["a"].values) == ((0.0, 0.4), (0.0, 2.5))
+    changed_scene = scene.with_values({"signals.a.value[2]": 2.5, "signals.a.times[2]": 0.4})
+    assert (changed_scene.signals["a"].times, changed_scene.signals["a"].values) == ((0.0, 0.4), (0.0, 2.5))
 
 
 def test_a_base_that_starts_elsewhere_than_the_scene_says_is_told(tmp_path):
     arm = load_scene("pinned_arm").with_values({"inputs.base_motion": True})
-    told = re.escape("base.y starts at 0.1 m, and initial.y = 0 m is not used")
+    pattern = re.escape("base.y starts at 0.1 m, and initial.y = 0 m is not used")
     (tmp_path / "base.csv").write_text("time,base.y\n0,0.1\n1,0.2\n")
-    with pytest.warns(SceneWarning, match=told):
-        moved = with_inputs(arm, tmp_path / "base.csv")
-    with pytest.warns(SceneWarning, match=told):
+    with pytest.warns(SceneWarning, match=pattern):
+        moved_arm = with_inputs(arm, tmp_path / "base.csv")
+    with pytest.warns(SceneWarning, match=pattern):
         simulate(arm, stop_time=0.01, inputs={"base.y": lambda time: 0.1})
     with warnings.catch_warnings():
         warnings.simplefilter("error", SceneWarning)
         simulate(arm, stop_time=0.01, inputs={"base.y": lambda time: 0.1 * time**2})
         simulate(arm, stop_time=0.01, inputs={"base.vy": 0.1})
         simulate(arm, stop_time=0.01, inputs={"base.y": lambda time: 1e-3 * math.sin(1e3 * math.pi * time)})
-        moved.with_values({"initial.position": [0.0, 0.1]})
+        moved_arm.with_values({"initial.position": [0.0, 0.1]})

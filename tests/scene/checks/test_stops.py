@@ -17,7 +17,7 @@ from tests.scene.finger import FINGER
 
 
 def finger(**changes):
-    """Return the scene with the tables of the file changed."""
+    """Return the scene of FINGER with changed tables: name of a table → changed keys."""
     data = tomllib.loads(FINGER)
     for table, keys in changes.items():
         data[table] = data.get(table, {}) | keys
@@ -117,8 +117,8 @@ def test_materials_of_a_scene_without_walls():
 
 
 def test_a_start_on_a_stop_is_none_beyond_it():
-    at = finger().with_values({"initial.angle[1]": "-90 deg", "initial.angle[2]": "-90 deg"})
-    assert at.initial.angles == (-math.pi / 2, -math.pi / 2)
+    on_stops = finger().with_values({"initial.angle[1]": "-90 deg", "initial.angle[2]": "-90 deg"})
+    assert on_stops.initial.angles == (-math.pi / 2, -math.pi / 2)
 
 
 def test_a_stop_in_degrees_without_a_unit_gives_a_hint():

@@ -58,7 +58,7 @@ def test_the_line_of_a_key_or_of_the_table_around_it(place, line):
 
 
 @pytest.mark.parametrize(
-    ("before", "after", "line"),
+    ("text", "replacement", "line"),
     [
         ("length = 0.2", "length = -0.2", 12),
         ("length = 0.2", "lenght = 0.2", 12),
@@ -68,14 +68,14 @@ def test_the_line_of_a_key_or_of_the_table_around_it(place, line):
         ("[box]", "[walls]\nname = 'floor'\n[box]", 18),
     ],
 )
-def test_an_error_names_the_line(before, after, line):
-    assert before in TEXT
+def test_an_error_names_the_line(text, replacement, line):
+    assert text in TEXT
     with pytest.raises(SceneError, match=rf"^ball\.toml: .* \(at line {line}\)$"):
-        parse_scene(TEXT.replace(before, after, 1), "ball.toml")
+        parse_scene(TEXT.replace(text, replacement, 1), "ball.toml")
 
 
 @pytest.mark.parametrize(
-    ("before", "after", "hint"),
+    ("text", "replacement", "hint"),
     [
         (
             "[[chain.links]]",
@@ -90,9 +90,9 @@ def test_an_error_names_the_line(before, after, line):
         ("[box]", "[outputs]\nloads = True\n[box]", "; write true$"),
     ],
 )
-def test_text_that_is_no_toml_is_refused_with_a_correct_entry(before, after, hint):
+def test_text_that_is_no_toml_is_refused_with_a_correct_entry(text, replacement, hint):
     with pytest.raises(SceneError, match=rf"^ball\.toml: not valid TOML: .*{hint}"):
-        parse_scene(TEXT.replace(before, after), "ball.toml")
+        parse_scene(TEXT.replace(text, replacement), "ball.toml")
 
 
 def test_an_error_names_number_and_line_of_a_boxs_point():
@@ -125,15 +125,15 @@ def test_a_reversed_wall_is_asked_about():
 
 
 @pytest.mark.parametrize(
-    ("before", "after", "told"),
+    ("text", "replacement", "hint"),
     [
         ("length = 0.2", "length = 0.2\nlength = 0.3", "; length is given twice"),
         ("points = [0]", "points = [0]\nwall.y_min.restitution = 0.4", "; wall.y_min.restitution is given"),
     ],
 )
-def test_a_key_that_is_given_twice_is_named(before, after, told):
-    with pytest.raises(SceneError, match=re.escape(told)):
-        parse_scene(TEXT.replace(before, after), "file.toml")
+def test_a_key_that_is_given_twice_is_named(text, replacement, hint):
+    with pytest.raises(SceneError, match=re.escape(hint)):
+        parse_scene(TEXT.replace(text, replacement), "file.toml")
 
 
 def test_a_key_of_a_number_is_no_key_that_is_given_twice():
@@ -143,7 +143,7 @@ def test_a_key_of_a_number_is_no_key_that_is_given_twice():
 
 
 @pytest.mark.parametrize(
-    ("before", "after", "told"),
+    ("old_text", "replacement", "reason"),
     [
         ("points = [0]", "points = [7]", "contact.points holds 7, must hold"),
         (
@@ -153,10 +153,10 @@ def test_a_key_of_a_number_is_no_key_that_is_given_twice():
         ),
     ],
 )
-def test_values_that_are_wrong_together_have_the_line_of_the_first(before, after, told):
-    text = TEXT.replace(before, after)
-    with pytest.raises(SceneError, match=rf"{re.escape(told)}.*\(at line \d+\)$") as refused:
+def test_values_that_are_wrong_together_have_the_line_of_the_first(old_text, replacement, reason):
+    text = TEXT.replace(old_text, replacement)
+    with pytest.raises(SceneError, match=rf"{re.escape(reason)}.*\(at line \d+\)$") as refused:
         parse_scene(text, "file.toml")
-    key = {"contact.points": "points", "chain.links[2].inertia": "inertia"}[told.partition(" ")[0]]
+    key = {"contact.points": "points", "chain.links[2].inertia": "inertia"}[reason.partition(" ")[0]]
     line = text.splitlines()[int(re.search(r"at line (\d+)", str(refused.value))[1]) - 1]
     assert line.strip().startswith(key)

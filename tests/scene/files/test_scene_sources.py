@@ -67,19 +67,19 @@ def test_the_tested_functions_are_all_that_take_a_scene():
     public = {name: getattr(chain_impact, name) for name in chain_impact.__all__}
     takers = {
         name
-        for name, thing in public.items()
-        if callable(thing)
-        and "Scene" in str(getattr(first_parameter(thing), "annotation", ""))
-        and first_parameter(thing).name in SCENES
+        for name, public_object in public.items()
+        if callable(public_object)
+        and "Scene" in str(getattr(first_parameter(public_object), "annotation", ""))
+        and first_parameter(public_object).name in SCENES
     }
     # the package makes these objects, which contain a scene
     records = {"Result", "Comparison", "Fit", "Sweep"}
     assert takers - records == set(TAKERS)
 
 
-def first_parameter(thing):
+def first_parameter(public_object):
     try:
-        parameters = inspect.signature(thing).parameters.values()
+        parameters = inspect.signature(public_object).parameters.values()
     except ValueError:  # a class of exceptions may have no signature
         return None
     return next(iter(parameters), None)
@@ -89,15 +89,15 @@ def first_parameter(thing):
 @pytest.mark.parametrize("name", TAKERS)
 def test_a_models_name_and_a_path_mean_its_scene(name, tmp_path):
     sources = load_scene(MODEL), MODEL, models_folder() / MODEL
-    expected, *others = (TAKERS[name](source, tmp_path) for source in sources)
-    for found in others:
-        np.testing.assert_equal(found, expected)
+    expected, *results = (TAKERS[name](source, tmp_path) for source in sources)
+    for result in results:
+        np.testing.assert_equal(result, expected)
 
 
 @pytest.mark.parametrize("name", TAKERS)
 def test_anything_else_is_refused_in_one_sentence(name, tmp_path):
-    needed = "must be a scene file, a folder with scene.toml, or a model; "
-    for wrong in ("no_such_model", Path("nowhere", "scene.toml"), 5, None):
-        message = refusal(TAKERS[name], wrong, tmp_path)
-        assert message.startswith(f"{wrong}: cannot be read (")
-        assert needed in message
+    requirement = "must be a scene file, a folder with scene.toml, or a model; "
+    for source in ("no_such_model", Path("nowhere", "scene.toml"), 5, None):
+        message = refusal(TAKERS[name], source, tmp_path)
+        assert message.startswith(f"{source}: cannot be read (")
+        assert requirement in message

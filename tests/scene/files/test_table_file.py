@@ -72,19 +72,19 @@ def test_bytes_that_are_no_text(tmp_path):
 
 
 def test_rows_that_seem_to_be_missing_are_told():
-    every = 0.01 * np.arange(101)
-    (told,) = gap_hints(np.array(WITH_GAP))
-    assert re.search(r"between time = 0\.2 and 0\.7 s.* 0\.01 s apart", told)
-    assert gap_hints(every) == []
+    all_times = 0.01 * np.arange(101)
+    (hint,) = gap_hints(np.array(WITH_GAP))
+    assert re.search(r"between time = 0\.2 and 0\.7 s.* 0\.01 s apart", hint)
+    assert gap_hints(all_times) == []
     assert gap_hints(np.array([0.0, 0.001, 0.002, 1.0])) == []  # a few samples
     assert gap_hints(0.01 * 1.4 ** np.arange(12)) == []  # samples with growing steps
 
 
-def gaps_told(done):
+def gaps_told(function):
     """Call a function; return its result and its warnings of gaps."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        result = done()
+        result = function()
     return result, [str(warning.message) for warning in caught if "rows missing" in str(warning.message)]
 
 
@@ -92,10 +92,10 @@ def test_a_gap_is_told_once_by_each_reader(tmp_path):
     table = tmp_path / "torque.csv"
     table.write_text("time,joint[1].torque\n" + "".join(f"{time},0\n" for time in WITH_GAP))
     arm = load_scene("pinned_arm").with_values({"inputs.joint_torques": True, "simulation.stop_time": 0.01})
-    driven, told = gaps_told(lambda: with_inputs(arm, table))
-    assert len(told) == 1
+    driven_arm, hints = gaps_told(lambda: with_inputs(arm, table))
+    assert len(hints) == 1
     assert len(gaps_told(lambda: simulate(arm, inputs=table))[1]) == 1
     for _ in range(2):
-        assert len(gaps_told(lambda: scene_from_dict(scene_to_dict(driven), "again"))[1]) == 1
+        assert len(gaps_told(lambda: scene_from_dict(scene_to_dict(driven_arm), "again"))[1]) == 1
     changes = {"simulation.stop_time": 0.02, "contact.model": "flores"}
-    assert gaps_told(lambda: simulate(driven.with_values(changes)))[1] == []
+    assert gaps_told(lambda: simulate(driven_arm.with_values(changes)))[1] == []

@@ -40,24 +40,24 @@ def reader(request):
 
 def test_a_byte_order_mark_means_nothing(reader, tmp_path):
     read, text, _ = reader
-    with_mark, without = tmp_path / "with" / "file", tmp_path / "without" / "file"
-    for path, encoding in ((with_mark, "utf-8-sig"), (without, "utf-8")):
+    with_mark, without_mark = tmp_path / "with" / "file", tmp_path / "without" / "file"
+    for path, encoding in ((with_mark, "utf-8-sig"), (without_mark, "utf-8")):
         path.parent.mkdir()
         path.write_text(text, encoding=encoding)
-    assert text_of(with_mark) == text_of(without) == text
-    found, expected = read(with_mark), read(without)
+    assert text_of(with_mark) == text_of(without_mark) == text
+    result, expected = read(with_mark), read(without_mark)
     if read is load_scene:
-        assert found == expected == parse_scene("\ufeff" + SCENE, "text")
+        assert result == expected == parse_scene("\ufeff" + SCENE, "text")
     elif read is read_table:
-        assert (found.names, found.rows) == (expected.names, expected.rows)
+        assert (result.names, result.rows) == (expected.names, expected.rows)
     else:
-        assert list(found.columns) == list(expected.columns)
+        assert list(result.columns) == list(expected.columns)
 
 
 def test_a_fitted_scene_can_be_like_a_file_with_a_mark(tmp_path):
-    like, path = tmp_path / "like.toml", tmp_path / "fitted.toml"
-    like.write_text(SCENE, encoding="utf-8-sig")
-    write_scene(load_scene(like).with_values({"initial.angle[1]": 0.75}), path, like)
+    file_with_mark, path = tmp_path / "like.toml", tmp_path / "fitted.toml"
+    file_with_mark.write_text(SCENE, encoding="utf-8-sig")
+    write_scene(load_scene(file_with_mark).with_values({"initial.angle[1]": 0.75}), path, file_with_mark)
     assert path.read_text(encoding="utf-8") == SCENE.replace("[0.5]", "[0.75]")
 
 
@@ -104,8 +104,8 @@ def test_no_other_fault_is_blamed_on_a_comma():
 @pytest.mark.parametrize("text", ["0,5", " 0,5 "])
 def test_a_decimal_comma_in_a_value_is_pointed_at(text):
     message = refusal(load_scene("rod_drop").with_values, {"contact.restitution": text})
-    needed = "must be a finite number >= 0 and <= 1; a number has a decimal point: 0.5"
-    assert message == f"RodDrop: contact.restitution = {text!r} {needed}"
+    requirement = "must be a finite number >= 0 and <= 1; a number has a decimal point: 0.5"
+    assert message == f"RodDrop: contact.restitution = {text!r} {requirement}"
     message = refusal(load_scene("rod_drop").with_values, {"initial.angle[1]": "0,5 deg"})
     assert message.endswith('or text in degrees as "90 deg"; a number has a decimal point: 0.5')
 
@@ -137,18 +137,18 @@ def test_on_the_command_line(capsys):
 @pytest.mark.parametrize("point", [".", ","])
 def test_a_table_with_other_separators_is_read_as_one_with_commas(mark, point, tmp_path):
     rows = "\n".join([TABLE.splitlines()[0], "0,0,1,1,1", "", "1.5e-1,-.25,0.95,1,0.95"])
-    usual, other = tmp_path / "usual.csv", tmp_path / "other.csv"
-    usual.write_text(rows)
+    usual_file, other_file = tmp_path / "usual.csv", tmp_path / "other.csv"
+    usual_file.write_text(rows)
     head, *lines = rows.replace(",", mark).splitlines()
-    other.write_text("\r\n".join([head, *(line.replace(".", point) for line in lines)]))
-    columns, same = (read_csv(path, {}).columns for path in (usual, other))
-    assert columns.keys() == same.keys()
+    other_file.write_text("\r\n".join([head, *(line.replace(".", point) for line in lines)]))
+    columns, other_columns = (read_csv(path, {}).columns for path in (usual_file, other_file))
+    assert columns.keys() == other_columns.keys()
     for name, column in columns.items():
-        np.testing.assert_array_equal(same[name], column)
-    table, again = read_table(usual), read_table(other)
-    assert (again.names, again.lines) == (table.names, table.lines)
+        np.testing.assert_array_equal(other_columns[name], column)
+    table, other_table = read_table(usual_file), read_table(other_file)
+    assert (other_table.names, other_table.lines) == (table.names, table.lines)
     for row, name in itertools.product(range(2), table.names):
-        assert again.number(row, name) == table.number(row, name)
+        assert other_table.number(row, name) == table.number(row, name)
 
 
 def test_a_table_of_one_column_may_have_decimal_commas(tmp_path):
@@ -168,8 +168,8 @@ def test_decimal_points_and_commas_in_one_table_are_refused(name, tmp_path):
 
 
 def test_a_unit_behind_a_number_is_pointed_at():
-    for written, number in {"2.5e3 g  # heavy": "2.5", "70%": "0.7"}.items():
-        assert f"; write {number}" in refusal(parse_scene, SCENE.replace("3.0", written), "rod.toml")
+    for quantity, number in {"2.5e3 g  # heavy": "2.5", "70%": "0.7"}.items():
+        assert f"; write {number}" in refusal(parse_scene, SCENE.replace("3.0", quantity), "rod.toml")
 
 
 def test_a_decimal_comma_in_a_cell_is_pointed_at(tmp_path):

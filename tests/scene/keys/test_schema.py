@@ -83,10 +83,10 @@ BAD = {
 }
 
 
-MISSING = [("name",), ("initial",), ("chain", "links"), ("initial", "angles")]
+MISSING_KEYS = [("name",), ("initial",), ("chain", "links"), ("initial", "angles")]
 
 
-@pytest.mark.parametrize("change", [*BAD.values(), *((*path, None) for path in MISSING)], ids=str)
+@pytest.mark.parametrize("change", [*BAD.values(), *((*path, None) for path in MISSING_KEYS)], ids=str)
 def test_bad_or_missing_keys_are_refused_by_schema_and_reader(change):
     data = scene_to_dict(load_scene("rod_drop"))
     *path, last, value = change
@@ -108,7 +108,7 @@ def test_a_law_of_ones_own_is_a_choice_with_its_file():
 
 
 def taplo(*files):
-    """Return the findings of taplo, the editors' checker, with the schema of each file's first line."""
+    """Return the process of taplo, the editors' checker; it reads the schema in each file's first line."""
     command = [shutil.which("taplo", path=Path(sys.executable).parent), "check", "--no-auto-config"]
     return subprocess.run([*command, *files], capture_output=True, text=True, check=False)
 
@@ -116,8 +116,8 @@ def taplo(*files):
 @pytest.mark.full("needs taplo")
 def test_an_editor_finds_the_schema_in_the_first_line_of_a_model(tmp_path):
     files = [models_folder() / model / SCENE_FILE for model in model_names()]
-    said = taplo(*files)
-    assert said.returncode == 0, said.stderr
+    process = taplo(*files)
+    assert process.returncode == 0, process.stderr
     assert all(file.read_text(encoding="utf-8").startswith("#:schema ../../docs/") for file in files)
 
     copy = tmp_path / "models" / "copy" / SCENE_FILE
@@ -127,6 +127,6 @@ def test_an_editor_finds_the_schema_in_the_first_line_of_a_model(tmp_path):
     copy.write_text(
         files[0].read_text(encoding="utf-8").replace("restitution", "restitutoin"), encoding="utf-8"
     )
-    said = taplo(copy)
-    assert said.returncode != 0
-    assert "restitutoin" in said.stderr
+    process = taplo(copy)
+    assert process.returncode != 0
+    assert "restitutoin" in process.stderr

@@ -21,7 +21,7 @@ from chain_impact.scene.rules.rule_language import is_rule_true, names_in, numbe
 from chain_impact.scene.scene import scene_keys
 from tests.scene.rule_cases import CASES, VALUES
 
-WRONG = (
+WRONG_RULES = (
     "a and",
     "a & b",
     "a - b",
@@ -49,7 +49,7 @@ def test_the_value_of_a_rule(rule):
         assert number_in(rule, VALUES.__getitem__) == value
 
 
-@pytest.mark.parametrize("rule", WRONG)
+@pytest.mark.parametrize("rule", WRONG_RULES)
 def test_a_wrong_rule_is_named(rule):
     with pytest.raises(ValueError, match=re.escape(rule)):
         tree(rule)
@@ -79,7 +79,7 @@ def test_each_key_of_stops_has_a_rule_for_scenes_without_stops():
 
 def test_no_rule_names_a_key_that_changes_without_the_rules():
     """``with_numbers`` leaves a restitution of 0, and the velocity of a held base, to a full reading."""
-    alone = {
+    lone_keys = {
         entry.name for table in (Contact, Link) for entry in key_fields(table) if entry.metadata["alone"]
     }
     for name, table in (
@@ -88,6 +88,6 @@ def test_no_rule_names_a_key_that_changes_without_the_rules():
         ("simulation", Simulation),
         ("solver", Solver),
     ):
-        alone |= {f"{name}.{entry.name}" for entry in key_fields(table) if entry.metadata["alone"]}
-    named = {name for rule in REFUSALS for name in (rule.key, *names_in(tree(rule.condition)))}
-    assert named & alone == {"restitution", "initial.velocity"}
+        lone_keys |= {f"{name}.{entry.name}" for entry in key_fields(table) if entry.metadata["alone"]}
+    keys_in_rules = {name for rule in REFUSALS for name in (rule.key, *names_in(tree(rule.condition)))}
+    assert keys_in_rules & lone_keys == {"restitution", "initial.velocity"}

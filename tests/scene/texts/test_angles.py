@@ -131,11 +131,11 @@ def test_in_signals_that_drive_angles():
 
 
 @pytest.mark.parametrize(
-    ("wrong", "unit"), [("joint[1].target_velocity", "[rad/s]"), ("tip.force.x", "[N]"), ("joint[1]", "")]
+    ("input_name", "unit"),
+    [("joint[1].target_velocity", "[rad/s]"), ("tip.force.x", "[N]"), ("joint[1]", "")],
 )
-def test_in_no_signal_that_drives_another_quantity(wrong, unit):
-    """The error names the key, the value and the unit of the input."""
-    text = SCENE + SIGNALS.replace("joint[1].target_angle", wrong)
+def test_in_no_signal_that_drives_another_quantity(input_name, unit):
+    text = SCENE + SIGNALS.replace("joint[1].target_angle", input_name)
     with pytest.raises(SceneError) as caught:
         parse_scene(text, "arm.toml")
     assert all(part in str(caught.value) for part in ("signals.nod.amplitude", "'30 deg'", unit))
@@ -149,8 +149,8 @@ def test_angles_of_a_stepped_chain_are_in_degrees(arm):
 
 def test_in_a_sweep(arm):
     for values in ("-90 deg:0 deg:3", "-90 deg,-45 deg,0 deg", ["-90 deg", "-45 deg", 0]):
-        [varied] = variations_of(arm, {ANGLE: values})
-        np.testing.assert_allclose(varied.values, [-math.pi / 2, -math.pi / 4, 0.0], rtol=1e-15)
+        [variation] = variations_of(arm, {ANGLE: values})
+        np.testing.assert_allclose(variation.values, [-math.pi / 2, -math.pi / 4, 0.0], rtol=1e-15)
     [interval] = variations_of(arm, {ANGLE: "-90 deg:0 deg"})
     assert interval.interval
     assert interval.values.tolist() == [-math.pi / 2, 0.0]
@@ -192,12 +192,12 @@ def test_a_fitted_scene_file_keeps_degrees_that_do_not_change(arm):
 
 
 def test_texts_that_are_no_angle_are_refused_with_the_form(arm):
-    needed = 'must be a finite number [rad], or text in degrees as "90 deg"'
-    for wrong in ("90 grad", "90 deg/s", "1e999 deg", True):
-        assert refusal(arm.with_values, {ANGLE: wrong}) == f"Arm: {ANGLE} = {value_text(wrong)} {needed}"
-    needed = 'must be a finite number [rad/s], or text in degrees as "90 deg/s"'
-    assert refusal(Chain(arm).set, {RATE: "90 deg"}) == f"Arm: {RATE} = '90 deg' {needed}"
-    assert refusal(variations_of, arm, {RATE: ["90 deg"]}) == f"Arm: {RATE} = 90 deg {needed}"
+    requirement = 'must be a finite number [rad], or text in degrees as "90 deg"'
+    for value in ("90 grad", "90 deg/s", "1e999 deg", True):
+        assert refusal(arm.with_values, {ANGLE: value}) == f"Arm: {ANGLE} = {value_text(value)} {requirement}"
+    requirement = 'must be a finite number [rad/s], or text in degrees as "90 deg/s"'
+    assert refusal(Chain(arm).set, {RATE: "90 deg"}) == f"Arm: {RATE} = '90 deg' {requirement}"
+    assert refusal(variations_of, arm, {RATE: ["90 deg"]}) == f"Arm: {RATE} = 90 deg {requirement}"
 
 
 # --- hints -------------------------------------------------------------------------------------------------
@@ -231,8 +231,8 @@ def test_a_change_is_pointed_at_once(arm):
     name = "link[1].joint_rest_angle"
     assert hints_of(arm.with_values, {name: -45}) == [hint]
     with pytest.warns(SceneWarning):
-        changed = arm.with_values({name: -45})
-    assert hints_of(changed.with_values, {"gravity.y": -1.6}) == [], "it is known"
+        changed_scene = arm.with_values({name: -45})
+    assert hints_of(changed_scene.with_values, {"gravity.y": -1.6}) == [], "it is known"
 
 
 def test_an_error_of_the_start_has_the_hint(arm):
