@@ -63,14 +63,14 @@ def fmu(tmp_path_factory):
 
 
 @pytest.fixture
-def here(tmp_path, monkeypatch):
+def work_folder(tmp_path, monkeypatch):
     """Change to an empty folder."""
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
 
 @pytest.fixture
-def run(here, capsys, monkeypatch):
+def run(work_folder, capsys, monkeypatch):
     """Run a command in an empty folder: (exit code, standard output, standard error)."""
 
     # tests on slow machines print no lines of progress

@@ -21,9 +21,9 @@ def kernels():
 def terminal(monkeypatch):
     """Return a function that replaces standard error by a text stream, as a terminal or not."""
 
-    def terminal(is_one):
+    def terminal(is_terminal):
         text = io.StringIO()
-        console = printing.plain_console(file=text, force_terminal=is_one, width=100)
+        console = printing.plain_console(file=text, force_terminal=is_terminal, width=100)
         monkeypatch.setattr(printing, "err", console)
         return text
 

@@ -19,6 +19,6 @@ def read_csv(path):
 
 
 def program(*arguments, **settings):
-    """Run ``chain-impact`` as a program of its own."""
+    """Run ``chain-impact`` in a process of its own; return the completed process."""
     command = [sys.executable, "-m", "chain_impact.cli", *arguments]
     return subprocess.run(command, capture_output=True, text=True, check=False, **settings)

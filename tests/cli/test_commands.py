@@ -48,30 +48,30 @@ def test_a_warning_of_another_package_is_one_line_without_its_code(run, monkeypa
 
 
 def test_simulate_prints_the_largest_force_in_a_joint(run):
-    said = run("simulate", "pinned_arm", "--set", "outputs.loads=true")[1]
+    output = run("simulate", "pinned_arm", "--set", "outputs.loads=true")[1]
     places = [r"669\.89\d N in joint\[2\]", r"[\d.]+ N in joint\[1\]"]
     lines = [
         rf"^{head} +at most {place}, at .* during impact 1$"
         for head, place in zip(("loads", ""), places, strict=True)
     ]
-    assert re.search("\n".join(lines).replace("\n^", "\n"), said, re.M)
-    (row,) = impact_lines(said)
+    assert re.search("\n".join(lines).replace("\n^", "\n"), output, re.M)
+    (row,) = impact_lines(output)
     assert (row[6], row[8:]) == ("1016", ["669.9", "2"])
-    without = run("simulate", "pinned_arm")[1]
-    assert "loads" not in without
-    assert len(impact_lines(without)[0]) == 8
+    output_without_loads = run("simulate", "pinned_arm")[1]
+    assert "loads" not in output_without_loads
+    assert len(impact_lines(output_without_loads)[0]) == 8
 
 
 @pytest.mark.full("more cases", but="scene")
 def test_check_estimates_the_errors_by_a_second_run(run, source):
-    code, said, errors = run(
+    code, output, errors = run(
         "simulate", source, "--check", "--stop-time", "0.6", "--set", "solver.tolerance=1e-7"
     )
     assert (code, errors) == (0, "")
-    (line,) = [line for line in said.splitlines() if line.startswith("check ")]
+    (line,) = [line for line in output.splitlines() if line.startswith("check ")]
     runs = [simulate("four_link_box", 0.6, tolerance=tolerance) for tolerance in (1e-7, 1e-8)]
-    found = differences(*runs)
-    for text in (f"{found.onset:.1e} s", "(2 impacts)", f"{found.position:.1e} m ({found.point} at"):
+    expected = differences(*runs)
+    for text in (f"{expected.onset:.1e} s", "(2 impacts)", f"{expected.position:.1e} m ({expected.point} at"):
         assert text in line
     assert "\ncheck " not in run("simulate", source, "--stop-time", "0.6")[1]
 
@@ -81,9 +81,9 @@ def test_a_rigid_impact_has_no_peak_force(run):
     lines = impact_lines(run("simulate", "falling_arm", "--set", "outputs.loads=true")[1])
     assert [line[5:7] for line in lines[:3]] == [["—", "—"]] * 3
     assert [line[-2:] for line in lines[:3]] == [["—", "—"]] * 3
-    held = [line for line in lines if line[6] != "—"]
-    assert held[0][5:7] == ["lasts", "9.81"]
-    assert float(held[0][-2]) > 0.0
+    lasting = [line for line in lines if line[6] != "—"]
+    assert lasting[0][5:7] == ["lasts", "9.81"]
+    assert float(lasting[0][-2]) > 0.0
 
 
 def test_a_list_of_impacts_with_loads_fits_80_columns(run):
@@ -93,26 +93,26 @@ def test_a_list_of_impacts_with_loads_fits_80_columns(run):
     assert max(map(len, table)) <= 80
 
 
-def test_simulate_runs_once_and_writes_nothing_unless_asked(run, here, monkeypatch):
-    told, found = [], instance.kernel_for
+def test_simulate_runs_once_and_writes_nothing_unless_asked(run, work_folder, monkeypatch):
+    calls, kernel_for_scene = [], instance.kernel_for
 
-    def kernel_for(*given, **options):
-        told.append(given)
-        return found(*given, **options)
+    def kernel_for(*arguments, **options):
+        calls.append(arguments)
+        return kernel_for_scene(*arguments, **options)
 
     monkeypatch.setattr(instance, "kernel_for", kernel_for)
     assert run("simulate", "rod_drop", "-q")[0] == 0
-    assert list(here.iterdir()) == []
+    assert list(work_folder.iterdir()) == []
     assert run("simulate", "rod_drop", "-q", "--csv", "out.csv")[0] == 0
-    assert len(told) == 2
+    assert len(calls) == 2
 
 
 @pytest.mark.full("takes long")
-def test_csv_has_time_and_the_outputs_of_the_fmu_to_the_last_bit(run, here, fmu):
-    code, said, _ = run("simulate", fmu, "--csv", "out.csv")
+def test_csv_has_time_and_the_outputs_of_the_fmu_to_the_last_bit(run, work_folder, fmu):
+    code, output, _ = run("simulate", fmu, "--csv", "out.csv")
     assert code == 0
-    assert said.startswith("results  out.csv\n")
-    names, rows = read_csv(here / "out.csv")
+    assert output.startswith("results  out.csv\n")
+    names, rows = read_csv(work_folder / "out.csv")
     variables = PreparedScene(load_scene("four_link_box")).variables
     assert names == ["time", *(v.name for v in variables if v.causality == "output")]
     recording = record_fmu(fmu, {})
@@ -120,10 +120,10 @@ def test_csv_has_time_and_the_outputs_of_the_fmu_to_the_last_bit(run, here, fmu)
     assert rows == [list(row) for row in zip(*(column.tolist() for column in columns), strict=True)]
 
 
-def test_output_chooses_the_columns_of_the_table(run, here):
+def test_output_chooses_the_columns_of_the_table(run, work_folder):
     code, *_ = run("simulate", "rod_drop", "--csv", "out.csv", "--output", "point[*].x,energy.total")
     assert code == 0
-    names, rows = read_csv(here / "out.csv")
+    names, rows = read_csv(work_folder / "out.csv")
     result = simulate(load_scene("rod_drop"))
     assert names == ["time", "point[0].x", "point[1].x", "energy.total"]
     assert [row[3] for row in rows] == result["energy.total"].tolist()
@@ -132,10 +132,10 @@ def test_output_chooses_the_columns_of_the_table(run, here):
 @pytest.mark.parametrize(
     "suffix", [".csv", ".json", pytest.param(".parquet", marks=pytest.mark.full("needs pyarrow"))]
 )
-def test_the_list_of_impacts_is_written(run, here, suffix):
-    file = here / f"list{suffix}"
-    code, said, _ = run("simulate", "rod_drop", "--impacts", file)
-    assert (code, said.splitlines()[0]) == (0, f"impacts  {file}")
+def test_the_list_of_impacts_is_written(run, work_folder, suffix):
+    file = work_folder / f"list{suffix}"
+    code, output, _ = run("simulate", "rod_drop", "--impacts", file)
+    assert (code, output.splitlines()[0]) == (0, f"impacts  {file}")
     impacts = simulate(load_scene("rod_drop")).impacts
     if suffix == ".csv":
         with file.open(newline="", encoding="utf-8") as lines:
@@ -163,20 +163,20 @@ def test_the_list_of_impacts_is_written(run, here, suffix):
         (("--csv", "a.csv", "--output", "solver.stepz"), "the nearest is solver.steps"),
     ],
 )
-def test_a_list_or_columns_that_cannot_be_written_are_refused(run, here, options, expected):
+def test_a_list_or_columns_that_cannot_be_written_are_refused(run, work_folder, options, expected):
     code, _, errors = run("simulate", "rod_drop", *options)
     assert code == 2
     assert expected in errors
-    assert list(here.iterdir()) == []
+    assert list(work_folder.iterdir()) == []
 
 
 @pytest.mark.full("takes long")
 @pytest.mark.parametrize("name", ["out.pdf", "OUT.PNG"])
-def test_plot_writes_a_picture(run, here, name):
-    code, said, _ = run("simulate", "rod_drop", "--stop-time", "0.5", "--plot", name)
-    assert (code, said.splitlines()[0]) == (0, f"picture  {name}")
-    assert [path.name for path in here.iterdir()] == [name]
-    assert (here / name).stat().st_size > 10_000
+def test_plot_writes_a_picture(run, work_folder, name):
+    code, output, _ = run("simulate", "rod_drop", "--stop-time", "0.5", "--plot", name)
+    assert (code, output.splitlines()[0]) == (0, f"picture  {name}")
+    assert [path.name for path in work_folder.iterdir()] == [name]
+    assert (work_folder / name).stat().st_size > 10_000
 
 
 @pytest.mark.full("more cases", but="scene")
@@ -190,62 +190,63 @@ def test_set_changes_parameters(run, source):
 
 
 @pytest.mark.full("takes long")
-def test_a_simulation_that_stops_early_gives_what_it_has(run, here, source):
+def test_a_simulation_that_stops_early_gives_what_it_has(run, work_folder, source):
     files = ("--csv", "part.csv", "--plot", "part.png")
-    code, said, errors = run("simulate", source, "--set", LITTLE_WORK, *files)
+    code, output, errors = run("simulate", source, "--set", LITTLE_WORK, *files)
     assert code == 3
     assert re.fullmatch(r"chain-impact: .*stopped at t = [\d.]+ s: .*work_limit allows: .*\n", errors)
-    assert said.startswith("results  part.csv\npicture  part.png\n")
-    _, rows = read_csv(here / "part.csv")
+    assert output.startswith("results  part.csv\npicture  part.png\n")
+    _, rows = read_csv(work_folder / "part.csv")
     assert 0.0 < rows[-1][0] < 2.0
-    assert f"0 … {rows[-1][0]:g} s" in said
-    assert (here / "part.png").read_bytes().startswith(PNG)
+    assert f"0 … {rows[-1][0]:g} s" in output
+    assert (work_folder / "part.png").read_bytes().startswith(PNG)
 
 
 def test_show_opens_one_window_with_the_picture(run, monkeypatch):
-    shown, page = [], mpl.figure.Figure()
+    titles, page = [], mpl.figure.Figure()
     page.canvas.required_interactive_framework = "a toolkit"
     monkeypatch.setattr(pyplot, "switch_backend", lambda _: None)
     monkeypatch.setattr(pyplot, "figure", lambda **_: page)
-    monkeypatch.setattr(pyplot, "show", lambda: shown.append(page.get_suptitle()))
+    monkeypatch.setattr(pyplot, "show", lambda: titles.append(page.get_suptitle()))
     assert run("simulate", "rod_drop", "--show")[0] == 0
-    assert re.fullmatch(r"RodDrop: peak force \S+ kN, 30 impacts in 2 s, \S+ J dissipated", *shown)
+    assert re.fullmatch(r"RodDrop: peak force \S+ kN, 30 impacts in 2 s, \S+ J dissipated", *titles)
 
 
-def test_a_picture_and_a_window_have_rows_of_their_own(run, here, fmu, monkeypatch):
+def test_a_picture_and_a_window_have_rows_of_their_own(run, work_folder, fmu, monkeypatch):
     """At 10 rows per second a scene is drawn from 1001 rows; the picture of an FMU has poses only."""
-    shown, few = [], ("--set", "simulation.step_size=0.1")
-    code, _, said = run("simulate", fmu, *few, "--plot", "a.png")
+    recordings, few_rows = [], ("--set", "simulation.step_size=0.1")
+    code, _, output = run("simulate", fmu, *few_rows, "--plot", "a.png")
     assert code == 0
-    assert "poses only, one each communication step, and cannot show the motion between them" in said
+    assert "poses only, one each communication step, and cannot show the motion between them" in output
     monkeypatch.setattr(
-        "chain_impact.pictures.picture.draw_overview", lambda _, recording, **_more: shown.append(recording)
+        "chain_impact.pictures.picture.draw_overview",
+        lambda _, recording, **_more: recordings.append(recording),
     )
-    assert run("simulate", "four_link_box", *few, "--plot", "a.png", "--csv", "a.csv")[0] == 0
-    assert len((here / "a.csv").read_text(encoding="utf-8").splitlines()) == 22
+    assert run("simulate", "four_link_box", *few_rows, "--plot", "a.png", "--csv", "a.csv")[0] == 0
+    assert len((work_folder / "a.csv").read_text(encoding="utf-8").splitlines()) == 22
     monkeypatch.setattr("chain_impact.cli.simulate.open_window", mpl.figure.Figure)
     monkeypatch.setattr(pyplot, "show", lambda: None)
-    assert run("simulate", "four_link_box", *few, "--show")[0] == 0
-    assert [len(one.time) for one in shown] == [1001, 1001]
+    assert run("simulate", "four_link_box", *few_rows, "--show")[0] == 0
+    assert [len(recording.time) for recording in recordings] == [1001, 1001]
 
 
 # --- compare ---------------------------------------------------------------------------------------------
 
 
-def test_compare_prints_each_law_and_writes_the_files(run, here):
-    code, said, errors = run(
+def test_compare_prints_each_law_and_writes_the_files(run, work_folder):
+    code, output, errors = run(
         "compare", "--set", "contact.restitution=0.5", "--set", "simulation.stop_time=0.6",
         "--csv", "laws.csv", "--plot", "laws.png",
     )  # fmt: skip
     assert (code, errors) == (0, "")
-    table, *lines, picture = said.splitlines()
+    table, *lines, picture = output.splitlines()
     assert [table, picture] == ["table    laws.csv", "picture  laws.png"]
     assert lines[1].startswith("FourLinkBox  e = 0.5, n = 1.5, K = 1e+08; first impact at 0.499446 s with ")
     assert [line.split()[0] for line in lines[3:] if line.split()[0] in CONTACT_LAWS] == list(CONTACT_LAWS)
     advised = "advice   within 5 % of e = 0.5 in this impact: "
     assert any(line.startswith(advised) and "zhang_sharf" in line for line in lines)
-    assert (here / "laws.png").read_bytes().startswith(PNG)
-    with (here / "laws.csv").open(newline="", encoding="utf-8") as file:
+    assert (work_folder / "laws.png").read_bytes().startswith(PNG)
+    with (work_folder / "laws.csv").open(newline="", encoding="utf-8") as file:
         assert [row["law"] for row in csv.DictReader(file)] == list(CONTACT_LAWS)
 
 
@@ -257,27 +258,27 @@ def test_every_command_has_help_and_the_program_a_version(run):
     verbs = next(action.choices for action in grammar._actions if isinstance(action.choices, dict))
     assert run("--help")[1].startswith("usage: chain-impact ")
     for verb in verbs:
-        code, said, _ = run(verb, "--help")
+        code, output, _ = run(verb, "--help")
         assert code == 0
-        assert said.startswith(f"usage: chain-impact {verb}")
-        example = " ".join(said.split("example: chain-impact ")[1].split())
+        assert output.startswith(f"usage: chain-impact {verb}")
+        example = " ".join(output.split("example: chain-impact ")[1].split())
         assert grammar.parse_args(shlex.split(example)).run is verbs[verb].get_default("run")
     assert run("--version") == (0, f"chain-impact {version('chain-impact')}\n", "")
 
 
 @pytest.mark.full("takes long")
-def test_quiet_prints_nothing(run, here):
+def test_quiet_prints_nothing(run, work_folder):
     for verb, table in (("build", ""), ("simulate", "a.csv"), ("compare", "b.csv")):
         options = ("--csv", table) if table else ()
         assert run(verb, "rod_drop", "--quiet", *options) == (0, "", "")
-    assert {path.name for path in here.iterdir()} == {"build", "a.csv", "b.csv"}
+    assert {path.name for path in work_folder.iterdir()} == {"build", "a.csv", "b.csv"}
     assert run("info", "rod_drop", "-q") == run("info", "rod_drop") != (0, "", "")  # the command only prints
 
 
 def test_the_stop_time_can_be_given(run, source):
-    done = run("simulate", source, "--stop-time", "0.52")
-    assert done == run("simulate", source, "--set", "simulation.stop_time=0.52")
-    assert "FourLinkBox  0 … 0.52 s, 1 impact\n" in done[1]
+    result = run("simulate", source, "--stop-time", "0.52")
+    assert result == run("simulate", source, "--set", "simulation.stop_time=0.52")
+    assert "FourLinkBox  0 … 0.52 s, 1 impact\n" in result[1]
 
 
 def test_an_interrupt_is_no_traceback(run, monkeypatch):
@@ -288,10 +289,10 @@ def test_an_interrupt_is_no_traceback(run, monkeypatch):
     assert run("simulate") == (130, "", "chain-impact: interrupted\n")
 
 
-def test_the_module_can_be_run(here):
-    done = program("simulate", "--set", "a=1")
-    assert done.returncode == 2
-    assert re.fullmatch(r"chain-impact: FourLinkBox: --set a=1 is not a parameter.*\n", done.stderr)
+def test_the_module_can_be_run(work_folder):
+    process = program("simulate", "--set", "a=1")
+    assert process.returncode == 2
+    assert re.fullmatch(r"chain-impact: FourLinkBox: --set a=1 is not a parameter.*\n", process.stderr)
 
 
 @pytest.mark.full("more cases", but="scene")
@@ -304,8 +305,8 @@ def test_set_takes_the_keys_of_a_scene_file(run, source):
 
 
 @pytest.mark.full("takes long")
-def test_a_picture_in_a_dark_style_is_dark_and_no_other_picture_is(run, here):
-    drawn = ("simulate", "pinned_arm", "--stop-time", "0.1", "--size", "84", "--plot")
-    assert run(*drawn, "dark.png", "--style", "dark_background")[0] == run(*drawn, "light.png")[0] == 0
-    corners = [pyplot.imread(here / f"{name}.png")[0, 0, :3].tolist() for name in ("dark", "light")]
+def test_a_picture_in_a_dark_style_is_dark_and_no_other_picture_is(run, work_folder):
+    options = ("simulate", "pinned_arm", "--stop-time", "0.1", "--size", "84", "--plot")
+    assert run(*options, "dark.png", "--style", "dark_background")[0] == run(*options, "light.png")[0] == 0
+    corners = [pyplot.imread(work_folder / f"{name}.png")[0, 0, :3].tolist() for name in ("dark", "light")]
     assert corners == [[0.0] * 3, [1.0] * 3]

@@ -14,13 +14,17 @@ from chain_impact.cli import completion
 
 def asked(line, folder):
     """Return the completions that argcomplete's scripts give a shell for an incomplete line."""
-    answer = folder / "answer"
-    settings = {"_ARGCOMPLETE": "1", "_ARGCOMPLETE_IFS": "\n", "_ARGCOMPLETE_STDOUT_FILENAME": str(answer)}
+    answer_file = folder / "answer"
+    settings = {
+        "_ARGCOMPLETE": "1",
+        "_ARGCOMPLETE_IFS": "\n",
+        "_ARGCOMPLETE_STDOUT_FILENAME": str(answer_file),
+    }
     settings |= {"COMP_LINE": line, "COMP_POINT": str(len(line)), "COMP_TYPE": "9"}
     command = [sys.executable, "-m", "chain_impact.cli"]
-    done = subprocess.run(command, cwd=folder, env=os.environ | settings, capture_output=True, check=False)
-    assert done.returncode == 0
-    return [word.rstrip() for word in answer.read_text(encoding="utf-8").splitlines()]
+    process = subprocess.run(command, cwd=folder, env=os.environ | settings, capture_output=True, check=False)
+    assert process.returncode == 0
+    return [word.rstrip() for word in answer_file.read_text(encoding="utf-8").splitlines()]
 
 
 @pytest.mark.full("more cases", but=2)
@@ -54,17 +58,17 @@ def test_the_shell_is_told_what_can_stand_there(line, words, tmp_path):
 @pytest.mark.parametrize("shell", completion.SHELLS)
 def test_there_is_a_script_for_each_shell(shell, tmp_path):
     command = [sys.executable, "-m", "chain_impact.cli", "completion", shell]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    assert "chain-impact" in done.stdout
+    process = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert "chain-impact" in process.stdout
     program = shutil.which(shell)
-    if program:  # Debian always has the first shell
+    if program:  # bash, the first shell, is always there on Debian
         script = tmp_path / "script"
-        script.write_text(done.stdout, encoding="utf-8")
+        script.write_text(process.stdout, encoding="utf-8")
         subprocess.run([program, "-n", script], check=True)
 
 
 def test_completion_is_imported_only_where_a_shell_asks():
     program = "import sys; from chain_impact import cli; cli.main(['info', 'rod_drop', '-q']);"
     program += "print('argcomplete' in sys.modules)"
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    assert done.stdout.splitlines()[-1] == "False"
+    process = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert process.stdout.splitlines()[-1] == "False"

@@ -7,22 +7,22 @@ import re
 import pytest
 
 
-def test_curves_are_drawn_into_a_file(run, here):
-    asked = ("simulate", "pinned_arm", "--stop-time", "0.6", "--curves", "contact[*].x_max.force")
-    code, said, errors = run(*asked, "--curves", "point[2].x,energy.total", "--plot", "curves.svg")
+def test_curves_are_drawn_into_a_file(run, work_folder):
+    command = ("simulate", "pinned_arm", "--stop-time", "0.6", "--curves", "contact[*].x_max.force")
+    code, output, errors = run(*command, "--curves", "point[2].x,energy.total", "--plot", "curves.svg")
     assert (code, errors) == (0, "")
-    assert "picture  curves.svg" in said
-    assert "the largest peak looks like a line; --around 1 shows impact 1" in said
-    told = (here / "curves.svg").read_text(encoding="utf-8")
+    assert "picture  curves.svg" in output
+    assert "the largest peak looks like a line; --around 1 shows impact 1" in output
+    picture = (work_folder / "curves.svg").read_text(encoding="utf-8")
     for name in ("contact[2].x_max", "force [kN]", "point[2]", "position x [m]", "energy.total"):
-        assert name in told
+        assert name in picture
     for size in ("84", "84x120"):
-        assert run(*asked, "--around", "1", "--plot", "near.svg", "--size", size)[0] == 0
-        told = (here / "near.svg").read_text(encoding="utf-8")
-        assert "time after the onset at" in told
-        width = re.search(r'width="([\d.]+)pt"', told)[1]
+        assert run(*command, "--around", "1", "--plot", "near.svg", "--size", size)[0] == 0
+        picture = (work_folder / "near.svg").read_text(encoding="utf-8")
+        assert "time after the onset at" in picture
+        width = re.search(r'width="([\d.]+)pt"', picture)[1]
         assert float(width) == pytest.approx(72.0 * 84.0 / 25.4)
-    for more, text in (
+    for options, text in (
         (
             ("--curves", "energy.*,*.x", "--plot", "a.svg", "--size", "84x60"),
             "no room for its panels: it must be at least",
@@ -38,7 +38,7 @@ def test_curves_are_drawn_into_a_file(run, here):
         (("--plot", "a.svg", "--rank", "peak_force"), "curves or derivatives"),
         (("--plot", "a.svg", "--curves", "*"), "must be <= "),
     ):
-        code, _, errors = run(*asked, *more)
+        code, _, errors = run(*command, *options)
         assert code == 2
         assert text in errors
-    assert not (here / "a.svg").exists()
+    assert not (work_folder / "a.svg").exists()

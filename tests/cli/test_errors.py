@@ -39,20 +39,24 @@ def refusals():
     """Yield exit code, verb, arguments and message for each verb of each line of refused.txt."""
     for line in Path(__file__).with_name("refused.txt").read_text(encoding="utf-8").splitlines():
         if not line.startswith("#"):
-            code, verbs, arguments, said = (part.strip() for part in line.split("|"))
-            yield from ((int(code), verb, arguments, said) for verb in verbs.split(","))
+            code, verbs, arguments, message = (part.strip() for part in line.split("|"))
+            yield from ((int(code), verb, arguments, message) for verb in verbs.split(","))
 
 
-def wrong(run, here, code, pattern, *arguments):
+def wrong(run, work_folder, code, pattern, *arguments):
     """Return a list with the failed refusal, or an empty list.
 
     A good refusal prints one matching line and leaves no file.
     """
-    before = sorted(here.rglob("*"))
-    found, _, said = run(*arguments)
-    right = re.fullmatch(r"chain-impact[^\n]*: [^\n]+\n", said) and re.search(pattern, said)
-    good = (found, bool(right), sorted(here.rglob("*"))) == (code, True, before)
-    return [] if good else [(arguments, found, said)]
+    files_before = sorted(work_folder.rglob("*"))
+    result_code, _, errors = run(*arguments)
+    is_right_message = re.fullmatch(r"chain-impact[^\n]*: [^\n]+\n", errors) and re.search(pattern, errors)
+    is_refused = (result_code, bool(is_right_message), sorted(work_folder.rglob("*"))) == (
+        code,
+        True,
+        files_before,
+    )
+    return [] if is_refused else [(arguments, result_code, errors)]
 
 
 refused_value = partial(RefusalError, source="S")
@@ -65,65 +69,69 @@ def line_error(requirement):
 
 
 @pytest.fixture
-def refused(run, here):
+def refused(run, work_folder):
     """Return a function that runs a command that must fail."""
 
     def refused(*case):
-        assert wrong(run, here, *case) == []
+        assert wrong(run, work_folder, *case) == []
 
     return refused
 
 
 @pytest.fixture
-def files(here, fmu):
+def files(work_folder, fmu):
     """Create obstructing files and folders, invalid scenes and invalid FMUs."""
-    (here / "file").write_text("")
-    (here / "t.csv").write_text("t,point[0].x,point[0].y,point[1].x,point[1].y\n0,0,1,0,1\n1,0,1,0,1\n")
+    (work_folder / "file").write_text("")
+    (work_folder / "t.csv").write_text(
+        "t,point[0].x,point[0].y,point[1].x,point[1].y\n0,0,1,0,1\n1,0,1,0,1\n"
+    )
     for name in ("folder.csv", "folder.png"):
-        (here / name).mkdir()
-    (here / "full.csv").symlink_to("/dev/full")
+        (work_folder / name).mkdir()
+    (work_folder / "full.csv").symlink_to("/dev/full")
     for name, text in SCENES.items():
-        (here / f"{name}.toml").write_text(text)
-    (here / "impacts.csv").write_text("point,wall,onset,end\n4,y_min,0.1,0.2\n")
-    (here / "robot.urdf").write_text('<?xml version="1.0"?>\n<robot name="a"><link name="b"/></robot>')
-    (here / "quoted.csv").write_text('time,point[0].x\n"0,5","1,5"\n')
-    (here / "motion.csv").write_text("time,point[4].x\n0.1,2.4\n0.2,2.5\n")
+        (work_folder / f"{name}.toml").write_text(text)
+    (work_folder / "impacts.csv").write_text("point,wall,onset,end\n4,y_min,0.1,0.2\n")
+    (work_folder / "robot.urdf").write_text('<?xml version="1.0"?>\n<robot name="a"><link name="b"/></robot>')
+    (work_folder / "quoted.csv").write_text('time,point[0].x\n"0,5","1,5"\n')
+    (work_folder / "motion.csv").write_text("time,point[4].x\n0.1,2.4\n0.2,2.5\n")
     content = fmu.read_bytes()
     for name, data in {"empty": b"", "hello": b"hello", "half": content[: len(content) // 2]}.items():
-        (here / f"{name}.fmu").write_bytes(data)
+        (work_folder / f"{name}.fmu").write_bytes(data)
     for name, entry in {"other": "hello.txt", "no_xml": "modelDescription.xml"}.items():
-        with zipfile.ZipFile(here / f"{name}.fmu", "w") as archive:
+        with zipfile.ZipFile(work_folder / f"{name}.fmu", "w") as archive:
             archive.writestr(entry, "<hello")
-    with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(here / "tank.fmu", "w") as new:
-        for name in old.namelist():
-            new.writestr(name, old.read(name).replace(b'"link[', b'"tank['))
+    with zipfile.ZipFile(fmu) as source_zip, zipfile.ZipFile(work_folder / "tank.fmu", "w") as target_zip:
+        for name in source_zip.namelist():
+            target_zip.writestr(name, source_zip.read(name).replace(b'"link[', b'"tank['))
 
 
-def test_commands_are_refused_with_the_listed_sentences(run, here, files, fmu):
-    found = []
-    for code, verb, arguments, said in refusals():
-        for each in ("four_link_box", str(fmu)) if "{each}" in arguments else ("",):
-            words = shlex.split(arguments.format(fmu=fmu, each=each, **WORDS))
-            found += wrong(run, here, code, re.escape(said.format(**WORDS)), verb, *words)
-    assert found == []
+def test_commands_are_refused_with_the_listed_sentences(run, work_folder, files, fmu):
+    failures = []
+    for code, verb, arguments, message in refusals():
+        for source in ("four_link_box", str(fmu)) if "{each}" in arguments else ("",):
+            words = shlex.split(arguments.format(fmu=fmu, each=source, **WORDS))
+            failures += wrong(run, work_folder, code, re.escape(message.format(**WORDS)), verb, *words)
+    assert failures == []
     assert run("info", "tank.fmu")[0] == 0
 
 
 @pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("error", [errno.ENOSPC, errno.EROFS])
-def test_an_fmu_that_cannot_be_written_names_it_and_nothing_is_left(refused, here, monkeypatch, error):
+def test_an_fmu_that_cannot_be_written_names_it_and_nothing_is_left(refused, work_folder, monkeypatch, error):
     def writestr(*_, **__):
         raise OSError(error, os.strerror(error))
 
-    (here / "build").mkdir()
+    (work_folder / "build").mkdir()
     monkeypatch.setattr(zipfile.ZipFile, "writestr", writestr)
     refused(2, rf"^chain-impact: build/RodDrop\.fmu: {os.strerror(error)}; [a-z]", "build", "rod_drop")
 
 
-def test_a_disk_that_is_full_is_named_for_a_picture(refused, here):
-    (here / "full.png").symlink_to("/dev/full")
-    told = r"^chain-impact: --plot full\.png: No space left on device; free some space, or write to another d"
-    refused(2, told, "simulate", "rod_drop", "--curves", "energy.total", "--plot", "full.png")
+def test_a_disk_that_is_full_is_named_for_a_picture(refused, work_folder):
+    (work_folder / "full.png").symlink_to("/dev/full")
+    pattern = (
+        r"^chain-impact: --plot full\.png: No space left on device; free some space, or write to another d"
+    )
+    refused(2, pattern, "simulate", "rod_drop", "--curves", "energy.total", "--plot", "full.png")
 
 
 def test_an_extra_that_is_missing(refused, monkeypatch):
@@ -159,20 +167,20 @@ def test_options_of_windows_are_refused_before_a_run(refused, monkeypatch):
 
 @pytest.mark.parametrize("name", ["other.fmu", "no_xml.fmu"])
 def test_validate_of_a_zip_without_a_description(run, files, name):
-    code, said, errors = run("validate", name)
+    code, output, errors = run("validate", name)
     assert (code, errors) == (1, "")
-    missing = rf"{re.escape(name)}: modelDescription\.xml: is (missing|no XML): [^\n]+\n"
-    assert re.fullmatch(missing, said)
+    pattern = rf"{re.escape(name)}: modelDescription\.xml: is (missing|no XML): [^\n]+\n"
+    assert re.fullmatch(pattern, output)
 
 
 def test_the_command_alone_shows_first_steps_that_can_be_typed(run):
-    code, said, errors = run()
+    code, output, errors = run()
     assert (code, errors) == (2, "")
-    steps = [re.split(r" {2,}", line.strip())[0] for line in said.splitlines() if line.startswith("  ")]
+    steps = [re.split(r" {2,}", line.strip())[0] for line in output.splitlines() if line.startswith("  ")]
     assert len(steps) == 3
     for step in steps:
         assert parser().parse_args(step.split()[1:]).source in model_names()
-    assert "chain-impact --help" in said
+    assert "chain-impact --help" in output
 
 
 @pytest.mark.parametrize(
@@ -184,12 +192,12 @@ def test_the_command_alone_shows_first_steps_that_can_be_typed(run):
         "fit rod/scene.toml motion.csv --free contact.restitution -o rod/scene.toml",
     ],
 )
-def test_an_output_never_replaces_a_file_that_is_read(refused, here, arguments):
-    (here / "rod").mkdir()
-    files = [here / name for name in ("rod/scene.toml", "motion.csv", "impacts.csv")]
+def test_an_output_never_replaces_a_file_that_is_read(refused, work_folder, arguments):
+    (work_folder / "rod").mkdir()
+    files = [work_folder / name for name in ("rod/scene.toml", "motion.csv", "impacts.csv")]
     for file in files:
         file.write_text("as before", encoding="utf-8")
-    refused(2, "is read by this command, and would be replaced", *arguments.format(here=here).split())
+    refused(2, "is read by this command, and would be replaced", *arguments.format(here=work_folder).split())
     assert {file.read_text(encoding="utf-8") for file in files} == {"as before"}
 
 
@@ -200,7 +208,7 @@ def test_values_of_options_are_found_as_typed():
 
 
 @pytest.mark.parametrize(
-    ("option", "value", "error", "told"),
+    ("option", "value", "error", "message"),
     [
         (
             "--set",
@@ -229,8 +237,8 @@ def test_values_of_options_are_found_as_typed():
         ("-o", "no/a.csv", OSError("no/a.csv: No such folder"), "-o no/a.csv: No such folder"),
     ],
 )
-def test_an_error_tells_the_option_whose_value_it_refuses(option, value, error, told):
-    assert with_option(error, [("--other", "c=1"), (option, value)]) == told
+def test_an_error_tells_the_option_whose_value_it_refuses(option, value, error, message):
+    assert with_option(error, [("--other", "c=1"), (option, value)]) == message
 
 
 @pytest.mark.parametrize(

@@ -21,14 +21,14 @@ ROD = models_folder() / "rod_drop"
 
 def info(run, source):
     """Return the text with the values, and name → line of each variable, joined with its indented lines."""
-    code, said, errors = run("info", source)
+    code, output, errors = run("info", source)
     assert (code, errors) == (0, "")
-    values, listing = said.split("\nVariables of the FMU\n")
+    values, listing = output.split("\nVariables of the FMU\n")
     head, *rows = listing.splitlines()
     assert head.split() == ["name", "causality", "variability", "unit", "meaning"]
     assert max(map(len, rows)) <= 80
-    whole = re.sub(r"\n +", " ", "\n".join(rows)).splitlines()
-    return values, {line.split()[0]: line for line in whole}
+    full_lines = re.sub(r"\n +", " ", "\n".join(rows)).splitlines()
+    return values, {line.split()[0]: line for line in full_lines}
 
 
 FACTS = {
@@ -62,10 +62,10 @@ def test_info_has_values_and_every_variable(run, fmu, scene):
 
 
 def test_each_number_of_a_status_has_its_own_line(run):
-    _, said, _ = run("info", "rod_drop")
-    told = said[said.index("status of the solver\n") :].splitlines()
-    numbered = [line for line in told if re.match(r" {6}\d", line)]
-    assert [line.split()[:3] for line in numbered[:3]] == [
+    _, output, _ = run("info", "rod_drop")
+    lines = output[output.index("status of the solver\n") :].splitlines()
+    numbered_lines = [line for line in lines if re.match(r" {6}\d", line)]
+    assert [line.split()[:3] for line in numbered_lines[:3]] == [
         [str(code), *STATUS_TEXT[code].split()[:2]] for code in range(3)
     ]
 
@@ -73,33 +73,34 @@ def test_each_number_of_a_status_has_its_own_line(run):
 @pytest.mark.full("more cases", but="scene")
 def test_values_that_info_prints_can_be_set(run, source):
     lines = info(run, source)[0].splitlines()[1:]
-    named = [line.strip().replace(" = ", "=", 1) for line in lines if re.search(r"[\[.]", line.split("=")[0])]
-    settings = [part for setting in named for part in ("--set", setting)]
-    assert len(named) > 30
+    assignments = [
+        line.strip().replace(" = ", "=", 1) for line in lines if re.search(r"[\[.]", line.split("=")[0])
+    ]
+    settings = [part for setting in assignments for part in ("--set", setting)]
+    assert len(assignments) > 30
     assert run("simulate", source, *settings) == run("simulate", source)
 
 
 def test_info_lists_models_and_laws(run):
-    for what, names in (("models", model_names()), ("laws", CONTACT_LAWS)):
-        code, said, _ = run("info", "--list", what)
+    for list_name, names in (("models", model_names()), ("laws", CONTACT_LAWS)):
+        code, output, _ = run("info", "--list", list_name)
         assert code == 0
-        assert [line.split()[0] for line in said.splitlines()] == list(names)
-        assert all(len(line.split()) > 2 for line in said.splitlines())
+        assert [line.split()[0] for line in output.splitlines()] == list(names)
+        assert all(len(line.split()) > 2 for line in output.splitlines())
 
 
-def test_a_console_without_unicode_gets_question_marks(run, here):
-    """Check the output of main() on consoles with and without Unicode signs."""
+def test_a_console_without_unicode_gets_question_marks(run, work_folder):
     text, odd = (ROD / "scene.toml").read_text("utf-8"), 'description = "[bold] λ [/] b"'
-    (here / "odd.toml").write_text(re.sub('description = ".*"', odd, text), encoding="utf-8")
+    (work_folder / "odd.toml").write_text(re.sub('description = ".*"', odd, text), encoding="utf-8")
     assert run("info", "odd.toml")[1].startswith("RodDrop  [bold] λ [/] b\n")
-    done = program("info", "odd.toml", env=os.environ | {"PYTHONIOENCODING": "ascii:strict"})
-    assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout.startswith("RodDrop  [bold] ? [/] b\n")
+    process = program("info", "odd.toml", env=os.environ | {"PYTHONIOENCODING": "ascii:strict"})
+    assert (process.returncode, process.stderr) == (0, "")
+    assert process.stdout.startswith("RodDrop  [bold] ? [/] b\n")
 
 
 @pytest.mark.full("takes long")
 def test_info_into_a_closed_pipe_is_quiet(fmu):
-    """Check the command `chain-impact info | head -1`."""
+    """A pipe into `head -1` closes before all lines are printed."""
     for source in ("rod_drop", str(fmu)):
         command = [sys.executable, "-m", "chain_impact.cli", "info", source]
         with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
@@ -107,7 +108,7 @@ def test_info_into_a_closed_pipe_is_quiet(fmu):
             assert process.stderr.read() == b""
 
 
-def test_an_array_of_another_tool_has_a_list_of_start_values(run, here):
+def test_an_array_of_another_tool_has_a_list_of_start_values(run, work_folder):
     text = """<?xml version="1.0"?>
 <fmiModelDescription fmiVersion="3.0" modelName="Other" instantiationToken="{0}" generationTool="another">
   <CoSimulation modelIdentifier="other"/>
@@ -133,22 +134,22 @@ def test_an_array_of_another_tool_has_a_list_of_start_values(run, here):
   <ModelStructure/>
 </fmiModelDescription>
 """
-    with zipfile.ZipFile(here / "other.fmu", "w") as archive:
+    with zipfile.ZipFile(work_folder / "other.fmu", "w") as archive:
         archive.writestr("modelDescription.xml", text)
-    code, said, errors = run("info", "other.fmu")
+    code, output, errors = run("info", "other.fmu")
     assert (code, errors) == (0, "")
-    assert {"  list = 1 2 3", "  one = 2.5", "  laws = 2 1", "  law = flores"} <= {*said.splitlines()}
+    assert {"  list = 1 2 3", "  one = 2.5", "  laws = 2 1", "  law = flores"} <= {*output.splitlines()}
 
 
-def test_texts_of_a_scene_are_printed_unchanged(run, here):
+def test_texts_of_a_scene_are_printed_unchanged(run, work_folder):
     text = "swing [bold]b[/bold] [red] of :car: :b: :100:"
     scene = (ROD / "scene.toml").read_text(encoding="utf-8")
     described = scene.replace("Uniform rod dropped at a tilt onto a floor", text)
-    (here / "rod.toml").write_text(described, encoding="utf-8")
-    code, said, _ = run("info", "rod.toml")
+    (work_folder / "rod.toml").write_text(described, encoding="utf-8")
+    code, output, _ = run("info", "rod.toml")
     assert code == 0
-    assert said.splitlines()[0] == f"RodDrop  {text}"
-    _, said, _ = run("simulate", "rod.toml", "--curves", "energy.total", "--plot", "run:100:[bold].svg")
-    assert "run:100:[bold].svg" in said
+    assert output.splitlines()[0] == f"RodDrop  {text}"
+    _, output, _ = run("simulate", "rod.toml", "--curves", "energy.total", "--plot", "run:100:[bold].svg")
+    assert "run:100:[bold].svg" in output
     _, _, errors = run("sweep", "rod.toml", "--vary", f"contact.restitution={text}", "-o", "all.csv")
     assert text in errors

@@ -23,7 +23,7 @@ STRANGE_TABLES = {
 
 @pytest.fixture
 def arm(tmp_path):
-    """Write a scene and a table of its inputs."""
+    """Write a scene and a table of its inputs; return both paths."""
     (tmp_path / "arm.toml").write_text(ARM)
     rows = zip(TIMES, *VALUES.values(), strict=True)
     lines = [",".join(("time", *VALUES)), *(",".join(map(repr, map(float, row))) for row in rows)]
@@ -38,20 +38,20 @@ def command(*words):
 @pytest.mark.parametrize("interpolation", ["hold", "linear"])
 def test_a_table_drives_a_scene_as_samples_do(arm, tmp_path, interpolation):
     scene, table = arm
-    found = tmp_path / "found.csv"
-    words = ("--inputs", table, "--interpolation", interpolation, "--csv", found)
+    result_file = tmp_path / "found.csv"
+    words = ("--inputs", table, "--interpolation", interpolation, "--csv", result_file)
     assert command("simulate", scene, *words) == 0
     kind = "follow" if interpolation == "hold" else "linear"
     inputs = {name: (TIMES, values) for name, values in VALUES.items()}
-    same = simulate(load_scene(scene), inputs=inputs, interpolation=kind)
-    rows = np.genfromtxt(found, delimiter=",", names=True, deletechars="")
-    np.testing.assert_allclose(rows["link[2].angle"], same["link[2].angle"], rtol=0.0, atol=1e-6)
-    again = simulate(load_scene(scene), inputs=table, interpolation=kind)
-    assert again["link[2].angle"].tobytes() == same["link[2].angle"].tobytes()
+    expected = simulate(load_scene(scene), inputs=inputs, interpolation=kind)
+    rows = np.genfromtxt(result_file, delimiter=",", names=True, deletechars="")
+    np.testing.assert_allclose(rows["link[2].angle"], expected["link[2].angle"], rtol=0.0, atol=1e-6)
+    result = simulate(load_scene(scene), inputs=table, interpolation=kind)
+    assert result["link[2].angle"].tobytes() == expected["link[2].angle"].tobytes()
     columns = {"time": TIMES.tolist(), **{name: values.tolist() for name, values in VALUES.items()}}
     assert (
         simulate(load_scene(scene), inputs=columns, interpolation=kind)["time"].tobytes()
-        == same["time"].tobytes()
+        == expected["time"].tobytes()
     )
 
 
@@ -78,6 +78,6 @@ def test_a_table_that_cannot_drive_a_scene_is_refused(arm, tmp_path, capsys):
         table.write_text(lines)
         assert command("simulate", scene, "--inputs", table) != 0
         assert message in capsys.readouterr().err
-    driven = f'{ARM}[signals.a]\ninput = "{TORQUE}"\nform = "constant"\nvalue = 1.0'
+    driven_text = f'{ARM}[signals.a]\ninput = "{TORQUE}"\nform = "constant"\nvalue = 1.0'
     with pytest.raises(ValueError, match=r"signals\.a drives it"):
-        simulate(parse_scene(driven, "x"), inputs={TORQUE: 1.0})
+        simulate(parse_scene(driven_text, "x"), inputs={TORQUE: 1.0})

@@ -55,10 +55,10 @@ def test_without_a_terminal_long_work_writes_a_line_now_and_then(monkeypatch, te
     monkeypatch.setattr(printing.out, "quiet", False)
     text = terminal(False)
     with progress_bar.progress("sweeping") as advance:
-        for done in range(1, 101):
+        for percent in range(1, 101):
             now[0] += 0.5
-            advance(done / 100)
-    lines = [f"chain-impact: sweeping, {done} %" for done in (20, 40, 60, 80, 100)]
+            advance(percent / 100)
+    lines = [f"chain-impact: sweeping, {percent} %" for percent in (20, 40, 60, 80, 100)]
     assert text.getvalue().splitlines() == lines
 
 

@@ -20,11 +20,11 @@ from tests.helpers.scenes.problems import default_scene, driven
 
 def test_an_impulse_and_a_law_without_a_result_have_a_row():
     comparison = compare(default_scene())
-    hertz, *others = comparison.runs
+    hertz, *other_runs = comparison.runs
     impulse = replace(hertz, duration=0.0, max_penetration=0.0, peak_force=0.0)
-    nothing = dict.fromkeys(("restitution", "peak_force"), math.nan)
-    failed = replace(others[0], result=None, note="cannot start", **nothing)
-    _, table, *_ = law_table(replace(comparison, runs=(impulse, failed, *others[1:])))
+    no_numbers = dict.fromkeys(("restitution", "peak_force"), math.nan)
+    failed = replace(other_runs[0], result=None, note="cannot start", **no_numbers)
+    _, table, *_ = law_table(replace(comparison, runs=(impulse, failed, *other_runs[1:])))
     lines = [line.strip() for line in plain_lines(table)]
     first, second = (next(line for line in lines if line.startswith(run.law)) for run in (impulse, failed))
     assert first.split()[2:5] == ["–", "0.000", "0.000"]
@@ -40,11 +40,11 @@ def test_the_list_of_impacts_has_their_peak_forces_and_impulses():
     for row, impact in zip(rows, recording.impacts, strict=True):
         force, impulse = (f"{impact[name]:.4g}" for name in ("peak_force", "impulse"))
         assert re.search(rf"  {force} +{impulse}$", row)
-    free = simulate(default_scene())
-    head, first, *_ = plain_lines(list(summary(free))[1])
+    box_run = simulate(default_scene())
+    head, first, *_ = plain_lines(list(summary(box_run))[1])
     assert head.endswith("peak force, N  impulse, N·s")
     for cell, name in zip(first.split()[-2:], ("peak_force", "impulse"), strict=True):
-        assert float(cell) == pytest.approx(free.impacts[0][name], rel=1e-3)
+        assert float(cell) == pytest.approx(box_run.impacts[0][name], rel=1e-3)
 
 
 def test_the_walls_that_were_hit_are_explained():
@@ -57,8 +57,8 @@ def test_the_walls_that_were_hit_are_explained():
     assert points.endswith("and so on")
     sliding = [part for part in summary(simulate(load_scene("sliding_rod"))) if isinstance(part, str)]
     (walls,) = (line for line in sliding if line.startswith("wall "))
-    turned = math.degrees(load_scene("sliding_rod").walls[0].angle)
-    assert f"ramp has the angle {turned:.4g} deg" in walls
+    degrees = math.degrees(load_scene("sliding_rod").walls[0].angle)
+    assert f"ramp has the angle {degrees:.4g} deg" in walls
     (points,) = (line for line in sliding if line.startswith("point "))
     assert points.endswith("0 is the first end of the link, 1 its other end")
     joint = summary(simulate(load_scene("kneed_leg")))  # hits a stop only
@@ -90,9 +90,9 @@ def test_the_list_of_variables_is_as_wide_as_the_terminal(width):
 
 def test_the_list_of_impacts_tells_which_link_has_a_point():
     recording = simulate(with_settings(load_scene("thrown_brick"), {"simulation.stop_time": 0.8}))
-    told = [part for part in summary(recording) if isinstance(part, str) and part.startswith("point ")]
-    assert len(told) == 1
-    assert told[0].endswith("2–5 on link 1")
+    point_lines = [part for part in summary(recording) if isinstance(part, str) and part.startswith("point ")]
+    assert len(point_lines) == 1
+    assert point_lines[0].endswith("2–5 on link 1")
 
 
 def test_elsewhere_lines_are_whole_and_have_no_spaces_at_their_end():

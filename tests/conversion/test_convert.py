@@ -241,13 +241,13 @@ def test_a_robot_without_a_name_has_the_name_of_its_file(tmp_path, attribute, na
     assert scene_of_robot(file)[0].name == name
 
 
-def test_what_mujoco_warns_of_is_a_note_and_no_file_is_written(here, capfd):
+def test_what_mujoco_warns_of_is_a_note_and_no_file_is_written(work_folder, capfd):
     shape = '<geom type="capsule" fromto="0 0 0 .4 0 0" size=".02"/>'
     link = f'<body name="{{0}}"><joint name="{{0}}" axis="0 1 0"/>{shape}'
     child = f'<mujoco><option timestep=".005"/><worldbody>{link.format("shin")}</body></worldbody></mujoco>'
     attached = '<frame pos=".4 0 0"><attach model="leg" body="shin" prefix="leg_"/></frame>'
-    (here / "leg.xml").write_text(child, encoding="utf-8")
-    (here / "robot.xml").write_text(
+    (work_folder / "leg.xml").write_text(child, encoding="utf-8")
+    (work_folder / "robot.xml").write_text(
         '<mujoco><asset><model name="leg" file="leg.xml"/></asset><worldbody>'
         f"{link.format('thigh')}{attached}</body></worldbody></mujoco>",
         encoding="utf-8",
@@ -258,4 +258,4 @@ def test_what_mujoco_warns_of_is_a_note_and_no_file_is_written(here, capfd):
     assert line.startswith("note     MuJoCo warns: ")
     assert "timestep: parent has 0.002 (default), child has 0.005" in line
     assert "Attach conflict" not in error_output
-    assert sorted(path.name for path in here.iterdir()) == ["leg.xml", "robot.toml", "robot.xml"]
+    assert sorted(path.name for path in work_folder.iterdir()) == ["leg.xml", "robot.toml", "robot.xml"]
