@@ -34,9 +34,11 @@ def _empty(tmp_path, monkeypatch):
 
 
 def files():
-    """Return all that is in the folder for these sources, but for locks and checksums."""
-    others = (".lock", ".crc32")
-    return sorted(path.name for path in present_kernel_folder().iterdir() if not path.name.endswith(others))
+    """Return the sorted names of files in the folder for these sources, except locks and checksums."""
+    ignored_suffixes = (".lock", ".crc32")
+    return sorted(
+        path.name for path in present_kernel_folder().iterdir() if not path.name.endswith(ignored_suffixes)
+    )
 
 
 def whole(path):
@@ -60,7 +62,7 @@ def test_a_file_is_made_once_and_appears_when_it_is_whole():
 
 
 def test_a_file_is_made_by_one_process_while_others_wait():
-    calls, found = [], []
+    calls, texts = [], []
 
     def make(path):
         calls.append(path)
@@ -69,13 +71,13 @@ def test_a_file_is_made_by_one_process_while_others_wait():
         path.write_text("whole")
 
     threads = [
-        threading.Thread(target=lambda: found.append(get_or_make("a.so", make).read_text())) for _ in "four"
+        threading.Thread(target=lambda: texts.append(get_or_make("a.so", make).read_text())) for _ in "four"
     ]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
-    assert found == ["whole"] * 4
+    assert texts == ["whole"] * 4
     assert len(calls) == 1
 
 
@@ -107,20 +109,22 @@ def test_a_killed_process_leaves_a_cache_that_works():
 
 def test_folders_that_nobody_uses_are_removed_when_something_is_made():
     get_or_make("a.so", lambda path: path.write_text("one"))
-    old, recent, other = (base_folder() / name for name in ("0" * 16, "1" * 16, "of somebody else"))
-    linker, former = cache.linker_folder(), base_folder() / f"{cache.LINKER}0.0.1"
-    for folder in (old, recent, other, linker, former):
+    old_folder, recent_folder, foreign_folder = (
+        base_folder() / name for name in ("0" * 16, "1" * 16, "of somebody else")
+    )
+    linker_folder, former_linker = cache.linker_folder(), base_folder() / f"{cache.LINKER}0.0.1"
+    for folder in (old_folder, recent_folder, foreign_folder, linker_folder, former_linker):
         folder.mkdir()
         (folder / "b.so").touch()
     long_ago = time.time() - cache.UNUSED_TIME - 60
-    for folder in (old, other, linker, former):
+    for folder in (old_folder, foreign_folder, linker_folder, former_linker):
         os.utime(folder, (long_ago, long_ago))
     get_or_make("c.so", lambda path: path.write_text("two"))
-    assert not old.exists()
-    assert not former.exists()
-    assert linker.exists()  # other processes may be using the linker
-    assert recent.exists()
-    assert other.exists()
+    assert not old_folder.exists()
+    assert not former_linker.exists()
+    assert linker_folder.exists()  # other processes may be using the linker
+    assert recent_folder.exists()
+    assert foreign_folder.exists()
     assert files() == ["a.so", "c.so"]
 
 
@@ -136,11 +140,11 @@ def test_another_compiler_has_another_place_and_none_that_of_the_extra(monkeypat
     def absent(name):
         raise cache.PackageNotFoundError(name)
 
-    before = present_kernel_folder()
-    for version, same in ((lambda _: "0.0.1", False), (absent, True)):
+    folder = present_kernel_folder()
+    for version, is_same in ((lambda _: "0.0.1", False), (absent, True)):
         monkeypatch.setattr(cache, "version", version)
         cache._compiler_version.cache_clear()
-        assert (present_kernel_folder() == before) == same
+        assert (present_kernel_folder() == folder) == is_same
 
 
 def test_without_a_home_an_error_says_what_to_set(monkeypatch):
@@ -163,7 +167,7 @@ def test_a_cache_that_can_only_be_read_is_read(monkeypatch):
 
 
 def test_a_read_only_cache_gives_an_error_that_says_what_to_set(monkeypatch):
-    """The folder is read-only for root, too, who ignores permissions."""
+    """The test simulates the refusal, because root ignores permissions."""
     get_or_make("a.so", whole)
 
     def refused(dir):
@@ -177,7 +181,7 @@ def test_a_read_only_cache_gives_an_error_that_says_what_to_set(monkeypatch):
 
 
 def not_kept(folder, reason):
-    """Check that nothing is stored in a folder; return whether the message tells this reason."""
+    """Check that nothing is stored in a folder; return whether the message has this reason."""
     with pytest.raises(BuildError) as caught:
         get_or_make("b.so", whole)
     return str(caught.value) == f"no kernel can be stored in {folder} ({reason}): {folders.ADVICE}"
@@ -185,7 +189,7 @@ def not_kept(folder, reason):
 
 @pytest.fixture(params=["of another user", "that others can write", "that a group can write"])
 def shared(request, monkeypatch):
-    """Return a cache folder in which another user may have put a library to run."""
+    """Return a cache folder into which another user may have put a library."""
     base = get_or_make("a.so", lambda path: path.write_text("foreign")).parents[1]
     folders.make_folder.cache_clear()
     user = base.stat().st_uid
@@ -209,8 +213,8 @@ def _owned_by(folder, user, monkeypatch, group=0):
     """
     real = folders.files.others_can_write
 
-    def seen(found):
-        return real(SimpleNamespace(st_mode=found.st_mode, st_uid=user, st_gid=group))
+    def seen(folder_status):
+        return real(SimpleNamespace(st_mode=folder_status.st_mode, st_uid=user, st_gid=group))
 
     monkeypatch.setattr(folders.files, "others_can_write", seen)
     return folder
@@ -235,11 +239,11 @@ def test_a_damaged_file_is_made_again(damage):
     assert cache.find("a.so") == file
 
 
-@pytest.mark.parametrize("where", ["elsewhere", "its folder"])
-def test_other_errors_than_of_a_place_to_keep_are_as_they_are(tmp_path, where):
+@pytest.mark.parametrize("location", ["elsewhere", "its folder"])
+def test_other_errors_than_of_a_place_to_keep_are_as_they_are(tmp_path, location):
     """Check errors that do not concern the cache folder: an unreadable source, and a closed pipe."""
-    number = errno.EACCES if where == "elsewhere" else errno.EPIPE
-    path = str(tmp_path / "source" if where == "elsewhere" else present_kernel_folder() / "a.so")
+    number = errno.EACCES if location == "elsewhere" else errno.EPIPE
+    path = str(tmp_path / "source" if location == "elsewhere" else present_kernel_folder() / "a.so")
 
     def fail(_):
         raise OSError(number, os.strerror(number), path)
@@ -288,21 +292,21 @@ def test_a_compiler_that_fails_on_a_full_disk_is_the_same_sentence(monkeypatch):
 
 def test_a_process_that_waits_says_so(monkeypatch):
     monkeypatch.setattr(cache, "UNREPORTED_WAIT", 0.05)
-    begun, told = threading.Event(), threading.Event()
-    monkeypatch.setattr(cache.log, "debug", lambda sentence: (said.append(sentence), told.set()))
-    said = []
+    begun, logged = threading.Event(), threading.Event()
+    monkeypatch.setattr(cache.log, "debug", lambda sentence: (messages.append(sentence), logged.set()))
+    messages = []
 
     def make(path):
         begun.set()
-        told.wait(600.0)
+        logged.wait(600.0)
         path.write_text("whole")
 
-    one = threading.Thread(target=lambda: get_or_make("a.so", make))
-    one.start()
+    first_thread = threading.Thread(target=lambda: get_or_make("a.so", make))
+    first_thread.start()
     begun.wait()
     get_or_make("a.so", make)
-    one.join()
-    assert said == ["waiting for another process that compiles the kernel"]
+    first_thread.join()
+    assert messages == ["waiting for another process that compiles the kernel"]
 
 
 @pytest.mark.parametrize(
@@ -321,9 +325,13 @@ def test_files_of_the_cache_are_listed_and_removed():
     (zig / "prepared-linux64").touch()
     for name in ("mine", "zig"):  # files of other programs stay
         (base_folder() / name).mkdir()
-    own, linker = sorted(entries(), key=lambda entry: len(entry.path.name))
-    assert (own.path, own.size, own.files) == (present_kernel_folder(), 5 + MARK, ("a.so",))
-    assert (linker.path, linker.files) == (zig, ())
+    kernel_entry, linker_entry = sorted(entries(), key=lambda entry: len(entry.path.name))
+    assert (kernel_entry.path, kernel_entry.size, kernel_entry.files) == (
+        present_kernel_folder(),
+        5 + MARK,
+        ("a.so",),
+    )
+    assert (linker_entry.path, linker_entry.files) == (zig, ())
     lines = list(contents())
     assert lines[0].startswith("prebuilt ")
     assert "(in use): a.so" in "".join(lines)

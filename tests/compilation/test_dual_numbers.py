@@ -22,7 +22,7 @@ HALF = sympy.Rational(1, 2)
 WORDS = 1 + DIRECTIONS
 SLOPES = np.random.default_rng(3).normal(size=(2, DIRECTIONS))
 AT = (1.7, 0.6)
-KEPT = []  # compiled functions; numba frees the code of a function with the function
+COMPILED_FUNCTIONS = []  # compiled functions; numba frees the code of a function with the function
 # name → function for numba, function for SymPy
 FUNCTIONS = {
     "sum": (lambda x, y: x + y, X + Y),
@@ -54,7 +54,7 @@ FUNCTIONS = {
 
 
 def in_place(x, y):
-    """Compute with operations that numba implements by separate functions; x is real first, then dual."""
+    """Compute with operations for which numba has separate functions; ``total`` is real first, then dual."""
     total = 1.0
     for _ in range(3):
         total += x
@@ -72,40 +72,40 @@ FUNCTIONS["in place"] = (in_place, TOTAL)
 
 @cache
 def compiled(function, kind=DUAL, result=None):
-    """Return the function of two numbers of a kind, from and to memory."""
-    inner = njit(function)
+    """Return a compiled function that reads two numbers of a kind from memory and writes its result there."""
+    compiled_function = njit(function)
 
-    def call(given, found):
-        found[0] = inner(given[0], given[1])
+    def call(inputs, outputs):
+        outputs[0] = compiled_function(inputs[0], inputs[1])
 
-    made = cfunc(types.void(types.CPointer(kind), types.CPointer(result or kind)))(call)
-    KEPT.append(made)
-    return ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)(made.address)
+    compiled_call = cfunc(types.void(types.CPointer(kind), types.CPointer(result or kind)))(call)
+    COMPILED_FUNCTIONS.append(compiled_call)
+    return ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)(compiled_call.address)
 
 
 def of_duals(function, x=AT[0], y=AT[1], slopes=SLOPES, result=None):
-    """Return value and slopes, or the words of another result."""
-    given = np.hstack([[[x], [y]], slopes]).ravel()
-    found = np.full(WORDS, np.nan)
-    compiled(function, DUAL, result)(given.ctypes.data, found.ctypes.data)
-    return found
+    """Return value and slopes, shape (WORDS,); a result of another type fills the first words."""
+    inputs = np.hstack([[[x], [y]], slopes]).ravel()
+    outputs = np.full(WORDS, np.nan)
+    compiled(function, DUAL, result)(inputs.ctypes.data, outputs.ctypes.data)
+    return outputs
 
 
 def of_numbers(function, x=AT[0], y=AT[1]):
-    given, found = np.array([x, y]), np.full(1, np.nan)
-    compiled(function, float64)(given.ctypes.data, found.ctypes.data)
-    return found[0]
+    inputs, outputs = np.array([x, y]), np.full(1, np.nan)
+    compiled(function, float64)(inputs.ctypes.data, outputs.ctypes.data)
+    return outputs[0]
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_derivatives_are_those_of_sympy_and_values_those_of_plain_numbers(name):
     assert dual_dtype(np.dtype(np.float64)).itemsize == 8 * WORDS
     function, expression = FUNCTIONS[name]
-    found = of_duals(function)
+    result = of_duals(function)
     at = {X: sympy.Float(AT[0], 30), Y: sympy.Float(AT[1], 30)}
     partial = np.array([float(expression.diff(symbol).evalf(30, subs=at)) for symbol in (X, Y)])
-    np.testing.assert_allclose(found[1:], partial @ SLOPES, rtol=1e-14, atol=1e-15)
-    assert found[0] == pytest.approx(float(expression.evalf(30, subs=at)), rel=1e-15)
+    np.testing.assert_allclose(result[1:], partial @ SLOPES, rtol=1e-14, atol=1e-15)
+    assert result[0] == pytest.approx(float(expression.evalf(30, subs=at)), rel=1e-15)
     for x, y in np.random.default_rng(7).uniform(0.1, 3.0, (50, 2)):
         assert of_duals(function, x, y)[0] == of_numbers(function, x, y)  # bit by bit
 
@@ -136,8 +136,8 @@ def test_truth_and_finiteness_look_at_the_value():
 
     steep = np.full((2, DIRECTIONS), np.inf)
     cases = {(0.0, 1.0): 2.0, (1.0, math.nan): 1.0, (2.0, 1.0): 3.0, (0.0, math.inf): 0.0}
-    for (x, y), right in cases.items():
-        assert of_duals(judged, x, y, steep, float64)[0] == right
+    for (x, y), expected in cases.items():
+        assert of_duals(judged, x, y, steep, float64)[0] == expected
 
 
 def test_a_branch_may_give_a_plain_number():
@@ -152,8 +152,8 @@ def test_a_branch_may_give_a_plain_number():
 
 def test_a_dual_number_answers_the_questions_of_the_kernel():
     assert of_duals(lambda x, y: value(x) * value(y), result=float64)[0] == AT[0] * AT[1]
-    found = of_duals(lambda x, y: dual_with_slope(5.0, 3.0, x))
-    assert np.array_equal(found, [5.0, *(3.0 * SLOPES[0])])
+    dual_number = of_duals(lambda x, y: dual_with_slope(5.0, 3.0, x))
+    assert np.array_equal(dual_number, [5.0, *(3.0 * SLOPES[0])])
 
 
 def test_whether_a_number_varies():

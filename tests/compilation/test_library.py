@@ -36,24 +36,23 @@ def one_link():
 
 @HOST_ONLY
 def test_a_library_offers_the_interface_and_needs_an_old_c_library_only(one_link):
-    """The library needs an old C library but no Python, and offers both FMI versions without local paths."""
-    found, content = read_binary(one_link), one_link.read_bytes()
-    assert [name for name in found.needed if re.match(r"_?Py|NRT_|numba|_ZN|chain_|user_law", name)] == []
-    assert not {"cos", "exp", "expm1", "fmod", "log", "log1p", "pow", "sin", "sincos"} & set(found.needed)
-    offered = {name for name in found.offered if not name.startswith("_")}
+    binary, content = read_binary(one_link), one_link.read_bytes()
+    assert [name for name in binary.needed if re.match(r"_?Py|NRT_|numba|_ZN|chain_|user_law", name)] == []
+    assert not {"cos", "exp", "expm1", "fmod", "log", "log1p", "pow", "sin", "sincos"} & set(binary.needed)
+    offered = {name for name in binary.offered if not name.startswith("_")}
     standard = {*co_simulation_functions(), *all_functions_of_fmi3()}
     assert offered == ENTRY_POINTS | standard | {"another_fmi2_instance"}
-    assert found.libraries == {"libc.so.6", "libm.so.6"}
+    assert binary.libraries == {"libc.so.6", "libm.so.6"}
     versions = re.findall(rb"GLIBC_(\d+)\.(\d+)", content)
     assert (0, 0) < max((int(major), int(minor)) for major, minor in versions) <= OLDEST_GLIBC
     for folder in (f"{Path.home()}/", str(Path(chain_impact.kernel.__file__).parent)):
         assert folder.encode() not in content
 
 
-@pytest.mark.parametrize("what", [library.KERNEL, library.DERIVATIVES])
-def test_the_kernel_does_not_allocate(what):
-    module = library._lowered_kernel(what)
-    assert {library.KERNEL: "@initialize", library.DERIVATIVES: "@on_start"}[what] in module
+@pytest.mark.parametrize("part", [library.KERNEL, library.DERIVATIVES])
+def test_the_kernel_does_not_allocate(part):
+    module = library._lowered_kernel(part)
+    assert {library.KERNEL: "@initialize", library.DERIVATIVES: "@on_start"}[part] in module
     assert not [name for name in ("NRT_Allocate", "NRT_MemInfo_alloc", "malloc") if name in module]
 
 
@@ -87,11 +86,14 @@ def test_kernels_for_any_and_for_four_links_give_equal_bits():
 def test_the_number_of_candidates_is_no_part_of_a_kernel():
     """A wall that is never touched changes only the offsets in the record."""
     scene = load_scene("rod_drop")
-    more = with_values(scene, {("box", "y_max"): 1e3, ("box", "x_min"): -1e3})
-    one, other = simulate(scene, stop_time=1.0), simulate(more, stop_time=1.0)
-    np.testing.assert_array_equal(one.points, other.points)
-    np.testing.assert_array_equal(one.energy, other.energy)
-    assert one.statistics == other.statistics
+    scene_of_more_walls = with_values(scene, {("box", "y_max"): 1e3, ("box", "x_min"): -1e3})
+    result, result_of_more_walls = (
+        simulate(scene, stop_time=1.0),
+        simulate(scene_of_more_walls, stop_time=1.0),
+    )
+    np.testing.assert_array_equal(result.points, result_of_more_walls.points)
+    np.testing.assert_array_equal(result.energy, result_of_more_walls.energy)
+    assert result.statistics == result_of_more_walls.statistics
 
 
 @needs_compilers
@@ -99,10 +101,10 @@ def test_a_law_that_calls_what_only_numba_has_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(compilers, "interface_sources", list)  # the law alone
     (tmp_path / "mine.py").write_text("import math\n\n\ndef mine(rate):\n    return math.gamma(rate)\n")
     compilers.lower(tmp_path / "mine.ll", "law", tmp_path / "mine.py")
-    nothing = tmp_path / "nothing.c"
-    nothing.touch()
+    empty_source = tmp_path / "nothing.c"
+    empty_source.touch()
     with pytest.raises(LawError, match=r"^calls gamma, which a kernel does not have$"):
-        compilers.link([nothing], tmp_path / "kernel.so", HOST, tmp_path / "mine.ll")
+        compilers.link([empty_source], tmp_path / "kernel.so", HOST, tmp_path / "mine.ll")
 
 
 @needs_compilers
@@ -110,7 +112,7 @@ def test_long_chains_share_a_kernel():
     assert kernel_library(30) == kernel_library(1000)
 
 
-# --- where it comes from, with compilers that only write files -------------------------------------------
+# --- the steps to a kernel, with compilers that only write files ------------------------------------------
 
 
 class Compilers:
@@ -119,9 +121,9 @@ class Compilers:
     def __init__(self):
         self.lowered, self.compiled = [], []
 
-    def lower(self, module, what, _law=None):
-        self.lowered.append(what)
-        module.write_text(what)
+    def lower(self, module, part, _law=None):
+        self.lowered.append(part)
+        module.write_text(part)
 
     def compile_part(self, module, compiled, platform, part, scope):
         assert module == part
@@ -141,18 +143,18 @@ def stand_in(tmp_path, monkeypatch):
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "cache"))
     monkeypatch.delenv(prebuilt.RELEASE, raising=False)
     monkeypatch.setattr(prebuilt, "_is_usable", lambda: False)
-    both = Compilers()
+    stand_ins = Compilers()
     for name in ("lower", "compile_part", "link"):
-        monkeypatch.setattr(compilers, name, getattr(both, name))
-    return both
+        monkeypatch.setattr(compilers, name, getattr(stand_ins, name))
+    return stand_ins
 
 
 @needs_compilers
 def test_the_kernel_is_lowered_and_linked_once_for_any_number_of_links(stand_in, caplog):
     caplog.set_level("INFO", "chain_impact")
     first = kernel_library(2)
-    said = [text.partition(" (about")[0] for text in caplog.messages]
-    assert said == ["compiling the kernel", "linking the kernel for linux64"]
+    messages = [text.partition(" (about")[0] for text in caplog.messages]
+    assert messages == ["compiling the kernel", "linking the kernel for linux64"]
     assert {kernel_library(links) for links in (2, 3, 64)} == {first}
     assert (stand_in.lowered, first.suffix) == (["kernel"], ".so")
     assert stand_in.compiled == [("kernel", "linux64", compilers.AnyLinks.PLAIN)]
@@ -170,12 +172,12 @@ def test_for_a_release_it_is_linked_for_each_number_of_links_up_to_ten(stand_in,
 
 @needs_compilers
 def test_derivatives_are_linked_to_the_unchanged_kernel(stand_in):
-    plain, other = kernel_library(3), kernel_library(3, derivatives=True)
+    plain, with_derivatives = kernel_library(3), kernel_library(3, derivatives=True)
     assert plain.read_text() == "kernel for AnyLinks.PLAIN"
-    assert other.read_text() == "kernel for AnyLinks.PLAIN and derivatives for AnyLinks.PLAIN"
-    assert {kernel_library(links, derivatives=True) for links in (1, 2, 4)} == {other}
+    assert with_derivatives.read_text() == "kernel for AnyLinks.PLAIN and derivatives for AnyLinks.PLAIN"
+    assert {kernel_library(links, derivatives=True) for links in (1, 2, 4)} == {with_derivatives}
     assert stand_in.lowered == ["kernel", "derivatives"]
-    assert [what for what, *_ in stand_in.compiled] == ["kernel", "derivatives"]
+    assert [part for part, *_ in stand_in.compiled] == ["kernel", "derivatives"]
 
 
 @needs_compilers
@@ -184,12 +186,16 @@ def test_laws_are_linked_to_one_kernel(stand_in, tmp_path):
     for file, force in zip(files, ("1.0", "2.0"), strict=True):
         file.parent.mkdir()
         file.write_text(f"def mine(rate):\n    return {force}\n")
-    one, two = (kernel_library(2, law_file=str(file)) for file in files)
-    assert len({one, two, kernel_library(2)}) == 3
-    varied = kernel_library(2, law_file=str(files[0]), derivatives=True)
+    first, second = (kernel_library(2, law_file=str(file)) for file in files)
+    assert len({first, second, kernel_library(2)}) == 3
+    with_derivatives = kernel_library(2, law_file=str(files[0]), derivatives=True)
     assert stand_in.lowered == ["law", "kernel", "law", "derivatives"]
     assert len(stand_in.compiled) == 2
-    for file, parts in ((one, ["kernel"]), (two, ["kernel"]), (varied, ["kernel", "derivatives"])):
+    for file, parts in (
+        (first, ["kernel"]),
+        (second, ["kernel"]),
+        (with_derivatives, ["kernel", "derivatives"]),
+    ):
         law = file.stem.removeprefix(f"{parts[-1]}-any-").removesuffix("-linux64")
         assert file.read_text() == " and ".join(
             [*(f"{part} for AnyLinks.PLAIN" for part in parts), f"{law}.ll"]

@@ -33,19 +33,19 @@ def test_sizes_are_left_open_and_no_address_of_the_process_is_in_it(module):
     assert "inttoptr" not in module
 
 
-@pytest.mark.parametrize("what", [library.KERNEL, library.DERIVATIVES])
-def test_no_path_and_nothing_pickled_is_in_it(what):
-    """numba pickles the exceptions of functions with the paths of their files."""
-    module = library._lowered_kernel(what)
+@pytest.mark.parametrize("part", [library.KERNEL, library.DERIVATIVES])
+def test_no_path_and_nothing_pickled_is_in_it(part):
+    """numba pickles the exceptions of functions, with the paths of their files."""
+    module = library._lowered_kernel(part)
     assert "pickle" not in module
     for path in (site.getsitepackages()[0], sys.prefix, str(PACKAGE), str(Path.home()), ".py"):
         assert path not in module
 
 
-@pytest.mark.parametrize("what", [library.KERNEL, library.DERIVATIVES])
-def test_the_kernel_calls_only_exact_functions_of_the_c_library(what):
-    """Every C library rounds them correctly; other functions of it differ in the last digit."""
-    module = library._lowered_kernel(what)
+@pytest.mark.parametrize("part", [library.KERNEL, library.DERIVATIVES])
+def test_the_kernel_calls_only_exact_functions_of_the_c_library(part):
+    """Every C library rounds these functions correctly; its other functions may differ in the last digit."""
+    module = library._lowered_kernel(part)
     called = set(re.findall(r"^declare double @([\w.]+)\(", module, re.M)) - {"user_law_force"}
     assert called == {"sqrt", "floor", "llvm.fabs.f64", "llvm.copysign.f64"}
     assert " frem " not in module
@@ -97,14 +97,14 @@ def test_every_library_is_collected_once():
             self._linking_libraries, self._finalized = others, True
 
     leaf = Node()
-    one, two = Node(leaf), Node(leaf)
-    top = Node(one, two, one)
-    found = list(top.with_dependencies())
-    assert sorted(map(id, found)) == sorted(map(id, (top, one, two, leaf)))
+    first, second = Node(leaf), Node(leaf)
+    top = Node(first, second, first)
+    collected = list(top.with_dependencies())
+    assert sorted(map(id, collected)) == sorted(map(id, (top, first, second, leaf)))
 
 
 def test_numba_has_what_is_replaced_and_left_out():
-    """The replacement of a removed numba name would have no effect."""
+    """If numba removed a name, replacing the name would have no effect."""
     modules = (typed_passes, untyped_passes)
     steps = {getattr(member, "_name", "") for module in modules for member in vars(module).values()}
     assert steps >= IDLE

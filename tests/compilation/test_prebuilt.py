@@ -23,8 +23,8 @@ ROOT = Path(__file__).parents[2]
 PLAIN = compilers.AnyLinks.PLAIN
 
 
-def lower(module, what):
-    module.write_text(what)
+def lower(module, part):
+    module.write_text(part)
 
 
 def compile_part(text, compiled, platform, part, scope):
@@ -54,17 +54,17 @@ def replace_compilers(monkeypatch):
 
 
 @pytest.fixture
-def said():
+def messages():
     return []
 
 
 @pytest.fixture
-def made(tmp_path, monkeypatch, said):
+def prebuilt_folder(tmp_path, monkeypatch, messages):
     """Return a folder of prebuilt libraries, as in a wheel."""
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "cache"))
     replace_compilers(monkeypatch)
     assert not prebuilt_kernels.all_cached()
-    prebuilt_kernels.make(tmp_path / "prebuilt", say=said.append)
+    prebuilt_kernels.make(tmp_path / "prebuilt", say=messages.append)
     monkeypatch.setattr(prebuilt, "FOLDER", tmp_path / "prebuilt")
     prebuilt._is_usable.cache_clear()
     yield tmp_path / "prebuilt"
@@ -72,21 +72,23 @@ def made(tmp_path, monkeypatch, said):
 
 
 @needs_compilers
-def test_a_second_wheel_of_the_same_sources_takes_no_compiler(made, tmp_path, monkeypatch):
+def test_a_second_wheel_of_the_same_sources_takes_no_compiler(prebuilt_folder, tmp_path, monkeypatch):
     monkeypatch.setattr(compilers, "lower", None)
     monkeypatch.setattr(compilers, "link", None)
     assert prebuilt_kernels.all_cached()
     prebuilt_kernels.make(tmp_path / "again")
-    first, second = (sorted(path.name for path in folder.iterdir()) for folder in (made, tmp_path / "again"))
+    first, second = (
+        sorted(path.name for path in folder.iterdir()) for folder in (prebuilt_folder, tmp_path / "again")
+    )
     assert first == second
 
 
 @needs_compilers
-def test_there_is_a_kernel_for_every_chain_which_takes_no_compiler(made, monkeypatch):
+def test_there_is_a_kernel_for_every_chain_which_takes_no_compiler(prebuilt_folder, monkeypatch):
     monkeypatch.setattr(prebuilt, "find_spec", lambda _: None)
-    found = prebuilt.find(prebuilt.library_name(PLAIN, "linux64", library_kind=prebuilt.DERIVATIVES))
-    assert found.read_text() == "kernel for AnyLinks.PLAIN and derivatives for AnyLinks.PLAIN"
-    assert kernel_library(4, derivatives=True) == found
+    library = prebuilt.find(prebuilt.library_name(PLAIN, "linux64", library_kind=prebuilt.DERIVATIVES))
+    assert library.read_text() == "kernel for AnyLinks.PLAIN and derivatives for AnyLinks.PLAIN"
+    assert kernel_library(4, derivatives=True) == library
     assert (
         prebuilt.find(prebuilt.library_name(prebuilt.exact_scope(64), "linux64")).read_text()
         == "kernel for AnyLinks.PLAIN"
@@ -95,48 +97,50 @@ def test_there_is_a_kernel_for_every_chain_which_takes_no_compiler(made, monkeyp
     assert kernel_library(4) == kernel_library(64) == prebuilt.find(prebuilt.library_name(PLAIN, "linux64"))
     assert prebuilt.find(prebuilt.library_name(PLAIN, "win64")) is None
     assert prebuilt.find(browser.MODULE).read_text() == "kernel for a browser"
-    # with and without derivatives, static and moving walls, and a browser module
+    # four libraries, with and without derivatives and rare features, and a module for browsers
     assert len(prebuilt.prebuilt_kernels()) == 5
     assert prebuilt.lowered_kernel() == "kernel"
-    assert lzma.decompress((made / prebuilt.MODULE).read_bytes()) == b"kernel"
-    assert not [path for path in made.iterdir() if path.is_dir()]
+    assert lzma.decompress((prebuilt_folder / prebuilt.MODULE).read_bytes()) == b"kernel"
+    assert not [path for path in prebuilt_folder.iterdir() if path.is_dir()]
 
 
 @needs_compilers
-def test_the_making_of_kernels_says_what_it_does(made, said):
-    """pip shows these lines: none comes long after the previous line."""
-    assert sorted(said[:2]) == [
-        f"compiling {what}, for any number of links" for what in sorted(prebuilt.LIBRARY_PARTS)
+def test_the_making_of_kernels_says_what_it_does(prebuilt_folder, messages):
+    """pip shows these lines."""
+    assert sorted(messages[:2]) == [
+        f"compiling {part}, for any number of links" for part in sorted(prebuilt.LIBRARY_PARTS)
     ]
-    assert "linking derivatives-any-linux64.so, 3 of 5" in said
-    assert len(said) == 7
+    assert "linking derivatives-any-linux64.so, 3 of 5" in messages
+    assert len(messages) == 7
 
 
 @needs_compilers
 def test_a_long_step_says_that_work_goes_on(tmp_path, monkeypatch):
-    said = []
+    messages = []
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "cache"))
     monkeypatch.setattr(prebuilt_kernels, "PATIENCE", 0.01)
     replace_compilers(monkeypatch)
 
-    def slow(module, what):
-        while "still at work" not in said:
+    def slow(module, part):
+        while "still at work" not in messages:
             time.sleep(0.01)
-        lower(module, what)
+        lower(module, part)
 
     monkeypatch.setattr(compilers, "lower", slow)
-    prebuilt_kernels.make(tmp_path / "prebuilt", say=said.append)
-    assert "still at work" in said
+    prebuilt_kernels.make(tmp_path / "prebuilt", say=messages.append)
+    assert "still at work" in messages
 
 
 @needs_compilers
-def test_a_wheel_for_release_carries_kernels_for_single_numbers_of_links(made, tmp_path, monkeypatch):
+def test_a_wheel_for_release_carries_kernels_for_single_numbers_of_links(
+    prebuilt_folder, tmp_path, monkeypatch
+):
     """Kernels in the cache are not compiled again."""
-    said = []
+    messages = []
     assert not prebuilt_kernels.all_cached(release=True)
-    prebuilt_kernels.make(tmp_path / "release", release=True, say=said.append)
+    prebuilt_kernels.make(tmp_path / "release", release=True, say=messages.append)
     assert prebuilt_kernels.all_cached(release=True)
-    assert not [line for line in said if "kernel-any-" in line]
+    assert not [line for line in messages if "kernel-any-" in line]
     monkeypatch.setattr(prebuilt, "FOLDER", tmp_path / "release")
     prebuilt._is_usable.cache_clear()
     # two with derivatives, and a browser module
@@ -145,34 +149,34 @@ def test_a_wheel_for_release_carries_kernels_for_single_numbers_of_links(made, t
     for links in range(1, prebuilt.LARGEST_EXACT + 1):
         assert kernel_library(links).read_text() == f"kernel for {links}"
     for links in (4, 64):
-        found = kernel_library(links, derivatives=True).read_text()
-        assert found == "kernel for AnyLinks.PLAIN and derivatives for AnyLinks.PLAIN"
+        text = kernel_library(links, derivatives=True).read_text()
+        assert text == "kernel for AnyLinks.PLAIN and derivatives for AnyLinks.PLAIN"
 
 
 @needs_compilers
-def test_kernels_of_other_sources_are_not_used(made):
+def test_kernels_of_other_sources_are_not_used(prebuilt_folder):
     """A user may have changed the kernel's sources in the installed package."""
-    (made / prebuilt.MADE_FROM).write_text("of before")
+    (prebuilt_folder / prebuilt.MADE_FROM).write_text("of before")
     prebuilt._is_usable.cache_clear()
     assert prebuilt.find(prebuilt.library_name(PLAIN, "linux64")) is None
     assert prebuilt.lowered_kernel() is None
     assert prebuilt.prebuilt_kernels() == []
-    (made / prebuilt.MADE_FROM).write_text(fingerprint())
+    (prebuilt_folder / prebuilt.MADE_FROM).write_text(fingerprint())
     prebuilt._is_usable.cache_clear()
     assert len(prebuilt.prebuilt_kernels()) > 1
 
 
 def test_compilers_and_python_of_a_wheel_are_those_of_the_project():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    done = backend("import backend; print('.'.join(map(str, backend.OLDEST)))")
-    assert f">={done.stdout.strip()}" == project["requires-python"]
+    process = backend("import backend; print('.'.join(map(str, backend.OLDEST)))")
+    assert f">={process.stdout.strip()}" == project["requires-python"]
     compilers = project["optional-dependencies"]["compiler"]
     assert sorted(compilers) == sorted(f"{name}=={version}" for name, version in COMPILERS.items())
     assert [*compilers, "numpy>=2.0,<3"] == prebuilt_kernels.REQUIREMENTS
 
 
 def backend(program, **settings):
-    """Run a program with the build backend, where nothing else is installed: as pip runs it."""
+    """Return the process of a program with the build backend; as under pip, nothing else is installed."""
     begin = (
         "import sys; sys.path.insert(0, 'packaging');"
         "sys.modules.update(dict.fromkeys(['numpy', 'numba', 'llvmlite', 'ziglang']));"
@@ -193,12 +197,13 @@ def test_the_build_backend_asks_for_compilers_only_where_they_are_needed(tmp_pat
 
 
 @needs_compilers
-def test_a_release_wheel_needs_compilers_if_only_first_kernels_are_cached(made, tmp_path):
+def test_a_release_wheel_needs_compilers_if_only_first_kernels_are_cached(prebuilt_folder, tmp_path):
     program = "import backend; print(backend.get_requires_for_build_wheel())"
     for release in "01":
-        done = backend(program, CHAIN_IMPACT_RELEASE=release)  # the library is in the cache of ``made``
-        asked = set(ast.literal_eval(done.stdout))
-        assert bool(set(prebuilt_kernels.REQUIREMENTS) & asked) == (release == "1")
+        # the fixture has cached the first kernels only
+        process = backend(program, CHAIN_IMPACT_RELEASE=release)
+        requirements = set(ast.literal_eval(process.stdout))
+        assert bool(set(prebuilt_kernels.REQUIREMENTS) & requirements) == (release == "1")
 
 
 def test_a_wheel_is_for_this_machine_unless_another_platform_is_named():
@@ -208,16 +213,18 @@ def test_a_wheel_is_for_this_machine_unless_another_platform_is_named():
     refused = backend(program, CHAIN_IMPACT_PLATFORM="amiga").stderr.splitlines()[-1]
     assert refused.startswith("RuntimeError: CHAIN_IMPACT_PLATFORM = amiga must be one of linux64, win64")
     elsewhere = "from chain_impact import system; system.HOST = '';"
-    done = backend(f"import kernel_hook; kernel_hook.kernels(); {elsewhere} kernel_hook.target()")
-    assert done.stderr.splitlines()[-1].startswith("RuntimeError: chain-impact runs on Linux ")
+    process = backend(f"import kernel_hook; kernel_hook.kernels(); {elsewhere} kernel_hook.target()")
+    assert process.stderr.splitlines()[-1].startswith("RuntimeError: chain-impact runs on Linux ")
 
 
 def test_the_tag_of_a_wheel_is_that_of_its_platform():
-    done = backend("import kernel_hook; print(*map(kernel_hook.tag, kernel_hook.platforms()))")
-    assert done.stdout.split() == [f"py3-none-{platform.tag}" for platform in PLATFORMS.values()]
+    process = backend("import kernel_hook; print(*map(kernel_hook.tag, kernel_hook.platforms()))")
+    assert process.stdout.split() == [f"py3-none-{platform.tag}" for platform in PLATFORMS.values()]
 
 
 def test_an_older_python_is_refused_in_one_sentence():
-    done = backend("sys.version_info = (3, 10, 13); import backend")
-    assert done.returncode == 1
-    assert re.fullmatch(r"chain-impact needs Python 3\.11 or later, and this is \S+ \(\S+\)\n", done.stderr)
+    process = backend("sys.version_info = (3, 10, 13); import backend")
+    assert process.returncode == 1
+    assert re.fullmatch(
+        r"chain-impact needs Python 3\.11 or later, and this is \S+ \(\S+\)\n", process.stderr
+    )

@@ -40,27 +40,27 @@ def places(dtype, path=(), offset=0):
     """Yield path, offset and type of every record, array and number of a record type."""
     yield path, offset, dtype
     if dtype.subdtype and is_table(dtype):
-        for name, (inner, start, *_) in dtype.base.fields.items():
-            yield (*path, name), offset + start, np.dtype((inner, dtype.shape))
+        for name, (field_type, start, *_) in dtype.base.fields.items():
+            yield (*path, name), offset + start, np.dtype((field_type, dtype.shape))
     dual = dtype.names == ("value", "slope")
-    for name, (inner, start, *_) in ({} if dual else dtype.fields or {}).items():
-        yield from places(inner, (*path, name), offset + start)
+    for name, (field_type, start, *_) in ({} if dual else dtype.fields or {}).items():
+        yield from places(field_type, (*path, name), offset + start)
 
 
 @pytest.mark.parametrize(
     "sizes", [(1, 0, 0), (1, 0, 1), (1, 1, 0), (4, 20, 24), (10, 44, 0), (10, 44, 54), (64, 3, 67)]
 )
-@pytest.mark.parametrize("what", TABLES)
-def test_every_field_is_where_numpy_has_it(what, sizes):
-    table = TABLES[what]
-    found = list(places(LAYOUT[what](instance_dtype(*sizes))))
-    assert {path for path, *_ in found} == set(table)
-    for path, offset, dtype in found:
+@pytest.mark.parametrize("record_kind", TABLES)
+def test_every_field_is_where_numpy_has_it(record_kind, sizes):
+    table = TABLES[record_kind]
+    found_places = list(places(LAYOUT[record_kind](instance_dtype(*sizes))))
+    assert {path for path, *_ in found_places} == set(table)
+    for path, offset, dtype in found_places:
         field = table[path]
         assert number(field.offset, *sizes) == offset, path
         shape = tuple(number(size, *sizes) for size in field.shape)
         if dtype.subdtype and is_table(dtype):
-            # the columns of the field give its number of rows
+            # the number of rows is tested at the columns of the field
             assert (shape, dtype.base.names) == ((), field.fields), path
             assert {table[*path, name].stride for name in field.fields} == {dtype.base.itemsize}, path
         else:
@@ -70,7 +70,7 @@ def test_every_field_is_where_numpy_has_it(what, sizes):
 
 
 def test_tables_of_candidates_and_elements_are_last_in_the_record():
-    """So the offsets of all other fields are constants in a kernel for a fixed number of links."""
+    """Thus the offsets of all other fields are constants in a kernel for a fixed number of links."""
     for path in ("step", "scratch", "statistics", "friction"):
         for place, field in TABLE.items():
             if place[:1] == (path,):
@@ -83,9 +83,9 @@ def test_tables_of_candidates_and_elements_are_last_in_the_record():
     assert per(TABLE["contacts", "active_count"].offset, "candidate_count") == 0
     for path in ("contacts", "law", "search", "contact_log"):
         assert per(TABLE[path,].offset, "friction_element_count") == 0
-    moving = (("given_channel",), ("channel",), ("wall_motion",), ("site",), ("signal",), ("knot",))
+    parts_of_motions = (("given_channel",), ("channel",), ("wall_motion",), ("site",), ("signal",), ("knot",))
     for place, field in TABLE.items():
-        if place[:1] not in ((), ("output",), ("transmitted",), *moving):
+        if place[:1] not in ((), ("output",), ("transmitted",), *parts_of_motions):
             assert (per(field.offset, "transmitted_row_count"), per(field.size, "transmitted_row_count")) == (
                 0,
                 0,
@@ -93,15 +93,17 @@ def test_tables_of_candidates_and_elements_are_last_in_the_record():
 
 
 def test_a_size_that_is_not_affine_is_refused():
-    others = [25] * (len(COUNTS) - 1)
-    right = 25 + 11 * (SAMPLES[-1][0] - SAMPLES[0][0])
-    with pytest.raises(ValueError, match=f"{right + 2}"):
-        affine([25, 36, *others, right + 2])
-    assert affine([25, 36, *others, right]) == Affine(25 - 11 * SAMPLES[0][0], (11, *[0] * len(others)))
+    other_sizes = [25] * (len(COUNTS) - 1)
+    size = 25 + 11 * (SAMPLES[-1][0] - SAMPLES[0][0])
+    with pytest.raises(ValueError, match=f"{size + 2}"):
+        affine([25, 36, *other_sizes, size + 2])
+    assert affine([25, 36, *other_sizes, size]) == Affine(
+        25 - 11 * SAMPLES[0][0], (11, *[0] * len(other_sizes))
+    )
 
 
 def chain():
-    """Return three links with damped joints and a motor that fall on the floor, beside a wall."""
+    """Return three links with damped joints and a motor that fall on a floor, next to a wall."""
     link = {"length": 0.3, "mass": 0.5, "joint_damping": 0.02}
     start = {"position": [0.05, 0.5], "angles": [0.3, -0.6, 0.2], "angular_velocities": [1.0, -3.0, 2.0]}
     table = {"name": "Chain", "gravity": [-1.0, -9.81], "chain": {"links": [link] * 3}, "initial": start}
@@ -129,13 +131,13 @@ def test_compiled_code_gives_the_bits_of_plain_python(changes):
     assert instance.trajectory(times, rows) == len(times)
     memory = PreparedScene(scene).new_instance()
     d = Plain(memory[0])
-    found = np.zeros_like(rows)
+    plain_rows = np.zeros_like(rows)
     with as_plain_python(), np.errstate(all="ignore"):
         assert initialize(d, 0.0) == 0
-        words, wanted = memory.view(np.float64), spans_of(instance.prepared_scene.output_words)
-        found_rows = found.view(np.float64).reshape(len(times), -1)
-        assert trajectory(d, words, times, wanted, found_rows, 0) == len(times)
+        words, spans = memory.view(np.float64), spans_of(instance.prepared_scene.output_words)
+        row_words = plain_rows.view(np.float64).reshape(len(times), -1)
+        assert trajectory(d, words, times, spans, row_words, 0) == len(times)
         assert observe_now(d) == 0
     assert d.impact.count == instance.record["impact"]["count"] >= 1
-    assert found.tobytes() == rows.tobytes()
+    assert plain_rows.tobytes() == rows.tobytes()
     assert d.numpy_record["statistics"] == instance.record["statistics"]

@@ -27,34 +27,38 @@ def test_equal_sources_have_one_wherever_they_are(copy):
 
 
 KERNEL = [f"kernel/{name}.py" for name in ("forces/active_contacts", "events/search", "record/instance")]
-OURS = ["user_laws/law_file.py", "compilation/record_type.py", "compilation/c_interface/common/states.c"]
-NOT_OURS = [f"compilation/{name}.py" for name in ("cache", "errors", "folders", "library", "prebuilt")]
-NOT_OURS += ["pictures/overview.py", "extras.py", "system.py"]
+COMPILED_FILES = [
+    "user_laws/law_file.py",
+    "compilation/record_type.py",
+    "compilation/c_interface/common/states.c",
+]
+OTHER_FILES = [f"compilation/{name}.py" for name in ("cache", "errors", "folders", "library", "prebuilt")]
+OTHER_FILES += ["pictures/overview.py", "extras.py", "system.py"]
 
 
 @pytest.mark.parametrize(
-    ("sources", "count"), [(KERNEL + OURS, True), (NOT_OURS, False)], ids=["code", "none"]
+    ("sources", "count"), [(KERNEL + COMPILED_FILES, True), (OTHER_FILES, False)], ids=["code", "none"]
 )
 def test_every_source_counts_and_what_makes_no_code_does_not(copy, sources, count):
     for source in sources:
-        before = fingerprint()
+        old_fingerprint = fingerprint()
         assert (copy / source).is_file()
         with (copy / source).open("a") as file:
             file.write("# \n")
-        assert (fingerprint() != before) == count, source
+        assert (fingerprint() != old_fingerprint) == count, source
 
 
 def test_a_fingerprint_covers_files_in_folders_and_their_names(copy):
-    found = {fingerprint()}
+    fingerprints = {fingerprint()}
     folder = copy / "kernel" / "new" / "room"
     folder.mkdir(parents=True)
     (folder / "one.py").touch()
-    found.add(fingerprint())
+    fingerprints.add(fingerprint())
     (folder / "one.py").rename(folder / "two.py")
-    found.add(fingerprint())
+    fingerprints.add(fingerprint())
     (folder / "two.py").rename(copy / "kernel" / "two.py")
-    found.add(fingerprint())
-    assert len(found) == 4
+    fingerprints.add(fingerprint())
+    assert len(fingerprints) == 4
 
 
 NO_CODE = {
@@ -68,16 +72,21 @@ NO_CODE = {
 
 def test_compiled_sources_import_only_compiled_sources():
     """A change of any other imported source would change the lowered code without a new fingerprint."""
-    allowed = [*(f"chain_impact.{name.removesuffix('.py').replace('/', '.')}" for name in COMPILED), *NO_CODE]
-    found = set()
+    allowed_names = [
+        *(f"chain_impact.{name.removesuffix('.py').replace('/', '.')}" for name in COMPILED),
+        *NO_CODE,
+    ]
+    imported_names = set()
     for file in (file for file in sources._sources() if file.suffix == ".py"):
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Import):
-                found |= {alias.name for alias in node.names}
+                imported_names |= {alias.name for alias in node.names}
             elif isinstance(node, ast.ImportFrom):
-                found |= {f"{node.module}.{alias.name}" for alias in node.names}
-    ours = {name for name in found if name.split(".")[0] == "chain_impact"}
-    assert len(ours) > 50
+                imported_names |= {f"{node.module}.{alias.name}" for alias in node.names}
+    own_names = {name for name in imported_names if name.split(".")[0] == "chain_impact"}
+    assert len(own_names) > 50
     assert [
-        name for name in ours if not any(f"{name}.".startswith(f"{package}.") for package in allowed)
+        name
+        for name in own_names
+        if not any(f"{name}.".startswith(f"{package}.") for package in allowed_names)
     ] == []
