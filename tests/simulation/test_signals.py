@@ -300,8 +300,8 @@ def test_the_acceleration_of_a_spline_jumps_only_at_the_ends_of_its_table(begin)
     spline = PPoly(powers.T[::-1], at)
     np.testing.assert_allclose(spline(times), heights, rtol=0.0, atol=1e-15)
     for order, size in ((0, 0.05), (1, 1.0), (2, 50.0)):
-        left, right = (spline.derivative(order)(at[1:-1] + side) for side in (-1e-9, 1e-9))
-        np.testing.assert_allclose(left, right, rtol=0.0, atol=1e-6 * size)
+        left_values, right_values = (spline.derivative(order)(at[1:-1] + side) for side in (-1e-9, 1e-9))
+        np.testing.assert_allclose(left_values, right_values, rtol=0.0, atol=1e-6 * size)
     speed = spline.derivative()
     assert speed(at[-1]) == pytest.approx(0.0, abs=1e-13)
     if begin > 0.0:  # otherwise the run begins with the table, and its rows give the velocity

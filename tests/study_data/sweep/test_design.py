@@ -47,12 +47,12 @@ def test_samples_fill_the_space(sampling, count):
     assert ((parts >= 0.0) & (parts <= 1.0)).all()
     if sampling == "lhs" or count == 64:  # one sample in each of the equal parts of every axis
         assert (np.sort((parts * count).astype(int)) == np.arange(count)).all()
-    again, other = (
+    same_seed_values, other_seed_values = (
         sampled_design(variations, "s", count=count, sampling=sampling, seed=seed).values(0, count)
         for seed in (3, 4)
     )
-    assert (again == design.values(0, count)).all()
-    assert (other != design.values(0, count)).all()
+    assert (same_seed_values == design.values(0, count)).all()
+    assert (other_seed_values != design.values(0, count)).all()
 
 
 @pytest.mark.parametrize(
@@ -81,10 +81,12 @@ def test_samples_are_scipys_whatever_block_is_asked_for(sampling, count):
         parts = qmc.LatinHypercube(2, seed=generator).random(count)
     else:
         parts = qmc.Sobol(2, seed=generator).random_base2(math.ceil(math.log2(count)))[:count]
-    whole = np.stack([one.values_at(part) for one, part in zip(variations, parts.T, strict=True)], axis=1)
+    expected = np.stack(
+        [variation.values_at(part) for variation, part in zip(variations, parts.T, strict=True)], axis=1
+    )
     design = sampled_design(variations, "s", count=count, sampling=sampling, seed=7)
     for first, end in ((0, count), (count // 2, count), (count // 3, count // 2 + 1), (0, 1)):
-        assert (design.values(first, end) == whole[first:end]).all()
+        assert (design.values(first, end) == expected[first:end]).all()
 
 
 def test_very_many_samples_are_latin_hypercubes_one_after_another():
@@ -97,8 +99,8 @@ def test_very_many_samples_are_latin_hypercubes_one_after_another():
         # rounding may put a few samples into the next part
         assert (np.sort((parts * size).astype(int)) == np.arange(size)).mean() > 0.99, cube
         assert (design.values(first + 5, first + 9) == values[5:9]).all()
-        across = design.values(first - 3, first + 3)[3:] if first else values[:3]
-        assert (across == values[:3]).all()
+        values_across_cubes = design.values(first - 3, first + 3)[3:] if first else values[:3]
+        assert (values_across_cubes == values[:3]).all()
 
 
 def test_a_grid_that_is_too_large_is_refused_before_it_is_made():

@@ -11,7 +11,7 @@ from chain_impact.study_data.sweep.variation import sweepable_variables, variati
 SCENE = load_scene("four_link_box")
 
 
-def one(name, values):
+def variation_of(name, values):
     (variation,) = variations_of(SCENE, {name: values})
     return variation
 
@@ -30,7 +30,7 @@ def one(name, values):
     ],
 )
 def test_texts_and_numbers_give_the_values_of_a_variation(text, values):
-    variation = one("contact.restitution", text)
+    variation = variation_of("contact.restitution", text)
     assert not variation.interval
     assert variation.values == pytest.approx(values, rel=1e-15)
     assert variation.values[[0, -1]].tolist() == [values[0], values[-1]]
@@ -38,16 +38,20 @@ def test_texts_and_numbers_give_the_values_of_a_variation(text, values):
 
 def test_choices_by_name_and_by_number():
     for values in ("flores,hertz", "10,1", ["flores", "hertz"], [10, "hertz"]):
-        variation = one("contact.model", values)
+        variation = variation_of("contact.model", values)
         assert variation.values.tolist() == [CONTACT_LAWS["flores"].number, CONTACT_LAWS["hertz"].number]
         assert variation.shown_values(variation.values).tolist() == ["flores", "hertz"]
 
 
 def test_an_interval_gives_values_at_fractions():
     parts = np.array([0.0, 0.5, 1.0 - 1e-16])
-    assert one("contact.restitution", "0.2:0.4").values_at(parts) == pytest.approx([0.2, 0.3, 0.4])
-    assert one("contact.stiffness", "1e6:1e8:log").values_at(parts) == pytest.approx([1e6, 1e7, 1e8])
-    assert one("contact.model", "flores,hertz").values_at(np.array([0.0, 0.49, 0.5])).tolist() == [10, 10, 1]
+    assert variation_of("contact.restitution", "0.2:0.4").values_at(parts) == pytest.approx([0.2, 0.3, 0.4])
+    assert variation_of("contact.stiffness", "1e6:1e8:log").values_at(parts) == pytest.approx([1e6, 1e7, 1e8])
+    assert variation_of("contact.model", "flores,hertz").values_at(np.array([0.0, 0.49, 0.5])).tolist() == [
+        10,
+        10,
+        1,
+    ]
 
 
 @pytest.mark.parametrize(
@@ -87,7 +91,7 @@ def test_wrong_variations_are_refused(name, values, words):
     with pytest.raises(
         SceneError, match=f"^FourLinkBox: {name.replace('[', '.').replace(']', '.')}.*{words}"
     ):
-        one(name, values)
+        variation_of(name, values)
 
 
 def test_a_sweep_that_varies_nothing_is_refused():
@@ -96,19 +100,19 @@ def test_a_sweep_that_varies_nothing_is_refused():
 
 
 def test_each_parameter_and_the_stop_time_can_be_varied():
-    known = sweepable_variables(SCENE)
-    assert {"gravity.x", "link[4].mass", "solver.method", "initial.angle[1]", "box.y_max"} <= known.keys()
-    assert "simulation.stop_time" in known
-    assert "solver.steps" not in known
+    variables = sweepable_variables(SCENE)
+    assert {"gravity.x", "link[4].mass", "solver.method", "initial.angle[1]", "box.y_max"} <= variables.keys()
+    assert "simulation.stop_time" in variables
+    assert "solver.steps" not in variables
 
 
 @pytest.mark.parametrize("values", ["0:90:3", [-90.0, 3.0]])
 def test_angles_of_more_than_a_turn_are_pointed_at(values):
     with pytest.warns(SceneWarning, match=r"initial\.angle\[1\] = -?90 rad is 14\.3 turns: if degrees"):
-        one("initial.angle[1]", values)
+        variation_of("initial.angle[1]", values)
 
 
 def test_angles_of_less_than_a_turn_are_not(recwarn):
-    one("initial.angle[1]", "0 deg:360 deg:5")
-    one("initial.angular_velocity[1]", "0:90:3")
+    variation_of("initial.angle[1]", "0 deg:360 deg:5")
+    variation_of("initial.angular_velocity[1]", "0:90:3")
     assert not recwarn.list
