@@ -30,11 +30,11 @@ def renamed(name: str) -> str:
 
 def given_back(text: str) -> str:
     """Return a message of FMI 3.0 with the terms of FMI 2.0."""
-    words = {f"fmi2{name}:": f"fmi3{new}:" for name, new in RENAMED.items()}
+    words = {f"fmi2{name}:": f"fmi3{fmi3_word}:" for name, fmi3_word in RENAMED.items()}
     words |= {"fmi2SetupExperiment: start": "fmi3EnterInitializationMode: start"}
     words |= {"Real's": "Float64's", "Integer's": "Int64's", "FMUstate": "FMUState", "fmi2": "fmi3"}
-    for word, new in words.items():
-        text = text.replace(new, word)
+    for fmi2_word, fmi3_word in words.items():
+        text = text.replace(fmi3_word, fmi2_word)
     return text
 
 
@@ -43,7 +43,7 @@ class Functions:
 
     def __init__(self, library: ctypes.CDLL, log: Callable[..., None]) -> None:
         self.library, self.log = library, log
-        self.kept: dict[int | None, Any] = {}  # callback of the instance at each address
+        self.callbacks: dict[int | None, Any] = {}  # callback of the instance at each address
         self.experiments: dict[int | None, tuple[Any, ...]] = {}
         library.fmi3InstantiateCoSimulation.restype = c_void_p
         library.fmi3GetVersion.restype = c_char_p
@@ -59,48 +59,48 @@ class Functions:
         path = unquote(urlparse(location.decode()).path).encode() + b"/"
         logging, none = rest[-1], c_void_p()
         flags = (c_bool(False), c_bool(logging), c_bool(False), c_bool(False))
-        one = self.library.fmi3InstantiateCoSimulation(
+        instance = self.library.fmi3InstantiateCoSimulation(
             name, guid, path, *flags, none, c_size_t(0), none, callback, none
         )
-        self.kept[one] = callback
-        return one
+        self.callbacks[instance] = callback
+        return instance
 
-    def fmi2SetDebugLogging(self, one: c_void_p, on: int, count: c_size_t, names: Any) -> int:
-        return self.library.fmi3SetDebugLogging(one, c_bool(on), count, names)
+    def fmi2SetDebugLogging(self, instance: c_void_p, on: int, count: c_size_t, names: Any) -> int:
+        return self.library.fmi3SetDebugLogging(instance, c_bool(on), count, names)
 
-    def fmi2SetupExperiment(self, one: c_void_p, *arguments: Any) -> int:
+    def fmi2SetupExperiment(self, instance: c_void_p, *arguments: Any) -> int:
         """Store the arguments, which FMI 3.0 takes at the entry of initialization mode."""
         with_tolerance, tolerance, start, with_stop, stop = arguments
-        self.experiments[one.value] = (c_bool(with_tolerance), tolerance, start, c_bool(with_stop), stop)
+        self.experiments[instance.value] = (c_bool(with_tolerance), tolerance, start, c_bool(with_stop), stop)
         return 0
 
-    def fmi2EnterInitializationMode(self, one: c_void_p) -> int:
-        return self.library.fmi3EnterInitializationMode(one, *self.experiments[one.value])
+    def fmi2EnterInitializationMode(self, instance: c_void_p) -> int:
+        return self.library.fmi3EnterInitializationMode(instance, *self.experiments[instance.value])
 
-    def fmi2GetReal(self, one: c_void_p, vr: Any, count: c_size_t, values: Any) -> int:
-        return self.library.fmi3GetFloat64(one, vr, count, values, count)
+    def fmi2GetReal(self, instance: c_void_p, vr: Any, count: c_size_t, values: Any) -> int:
+        return self.library.fmi3GetFloat64(instance, vr, count, values, count)
 
-    def fmi2SetReal(self, one: c_void_p, vr: Any, count: c_size_t, values: Any) -> int:
-        return self.library.fmi3SetFloat64(one, vr, count, values, count)
+    def fmi2SetReal(self, instance: c_void_p, vr: Any, count: c_size_t, values: Any) -> int:
+        return self.library.fmi3SetFloat64(instance, vr, count, values, count)
 
-    def fmi2GetInteger(self, one: c_void_p, vr: Any, _count: c_size_t, value: Any) -> int:
+    def fmi2GetInteger(self, instance: c_void_p, vr: Any, _count: c_size_t, value: Any) -> int:
         long = c_int64(value._obj.value)
-        status = self.library.fmi3GetInt64(one, vr, c_size_t(1), ctypes.byref(long), c_size_t(1))
+        status = self.library.fmi3GetInt64(instance, vr, c_size_t(1), ctypes.byref(long), c_size_t(1))
         value._obj.value = long.value
         return status
 
-    def fmi2SetInteger(self, one: c_void_p, vr: Any, _count: c_size_t, value: Any) -> int:
+    def fmi2SetInteger(self, instance: c_void_p, vr: Any, _count: c_size_t, value: Any) -> int:
         long = c_int64(value._obj.value)
-        return self.library.fmi3SetInt64(one, vr, c_size_t(1), ctypes.byref(long), c_size_t(1))
+        return self.library.fmi3SetInt64(instance, vr, c_size_t(1), ctypes.byref(long), c_size_t(1))
 
-    def fmi2DoStep(self, one: c_void_p, time: c_double, size: c_double, _flag: int) -> int:
-        needed, ended, early, reached = c_bool(), c_bool(), c_bool(), c_double()
-        places = map(ctypes.byref, (needed, ended, early, reached))
-        status = self.library.fmi3DoStep(one, time, size, c_bool(True), *places)
+    def fmi2DoStep(self, instance: c_void_p, time: c_double, size: c_double, _flag: int) -> int:
+        event_needed, ended, early, last_time = c_bool(), c_bool(), c_bool(), c_double()
+        places = map(ctypes.byref, (event_needed, ended, early, last_time))
+        status = self.library.fmi3DoStep(instance, time, size, c_bool(True), *places)
         if status == 0:
-            assert [needed.value, ended.value, early.value] == [False] * 3
+            assert [event_needed.value, ended.value, early.value] == [False] * 3
             slack = 1e-9 * size.value + 1e-12 * abs(time.value)
-            assert abs(reached.value - (time.value + size.value)) <= slack
+            assert abs(last_time.value - (time.value + size.value)) <= slack
         return status
 
 

@@ -21,12 +21,12 @@ def guarded(fmu):
 
     class Guarded(Library):
         def _allocate(self, count, size):
-            wanted = -(-count * size // 8) * 8
-            whole = -(-wanted // page) * page
+            rounded_size = -(-count * size // 8) * 8
+            size_of_pages = -(-rounded_size // page) * page
             kind = mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS
-            place = system.mmap(None, whole + page, mmap.PROT_READ | mmap.PROT_WRITE, kind, -1, 0)
-            assert system.mprotect(place + whole, page, 0) == 0
-            return place + whole - wanted
+            place = system.mmap(None, size_of_pages + page, mmap.PROT_READ | mmap.PROT_WRITE, kind, -1, 0)
+            assert system.mprotect(place + size_of_pages, page, 0) == 0
+            return place + size_of_pages - rounded_size
 
         def _free(self, address):
             """Free nothing: the memory ends with the process."""
@@ -37,68 +37,84 @@ def guarded(fmu):
 def used(library, count):
     """Use an instance as an importer does.
 
-    Return 0; or, if there is no instance, 1 if it is refused with the right sentence, else 2.
+    Return 0. Without an instance, return 1 if a message says that model.bin does not fit, else 2.
     """
-    library.said()
-    one, c, real = library.instantiate(), library.c, ctypes.c_double
-    if not one:
-        (text,) = library.said()
+    library.new_messages()
+    instance, c, real = library.instantiate(), library.c, ctypes.c_double
+    if not instance:
+        (text,) = library.new_messages()
         return 1 if "model.bin that is not for this binary, or damaged" in text else 2
-    one = c_void_p(one)
+    instance = c_void_p(instance)
 
     def read_all():
         for reference in range(count):
-            value, which = real(0.5), ctypes.c_uint(reference)
-            c.fmi2GetReal(one, byref(which), c_size_t(1), byref(value))
+            value, reference_cell = real(0.5), ctypes.c_uint(reference)
+            c.fmi2GetReal(instance, byref(reference_cell), c_size_t(1), byref(value))
 
-    c.fmi2SetupExperiment(one, 0, real(0.0), real(0.0), 0, real(0.0))
-    c.fmi2EnterInitializationMode(one)
+    c.fmi2SetupExperiment(instance, 0, real(0.0), real(0.0), 0, real(0.0))
+    c.fmi2EnterInitializationMode(instance)
     read_all()
-    c.fmi2ExitInitializationMode(one)
+    c.fmi2ExitInitializationMode(instance)
     for step in range(3):
-        c.fmi2DoStep(one, real(0.01 * step), real(0.01), 0)
+        c.fmi2DoStep(instance, real(0.01 * step), real(0.01), 0)
     read_all()
-    c.fmi2Reset(one)
+    c.fmi2Reset(instance)
     return 0
 
 
-def mutants_of(whole):
+def mutants_of(table):
     """Return tables with one changed number or byte each: description → content.
 
     The second result has the beginnings of the descriptions for numbers that have a single valid value.
     """
     guid_ends, head_ends, row = 64, 208, struct.calcsize("<ddqqqiiii")
-    numbers = struct.unpack_from("<18q", whole, guid_ends)
+    numbers = struct.unpack_from("<18q", table, guid_ends)
     count, rows_at, record_at = numbers[0], numbers[12], numbers[16]
     head = [guid_ends + 8 * i for i in range(18)]
     record = [record_at + 8 * i for i in range(6)]
     rows = [rows_at + row * i + 16 + 8 * k for i in (0, 1, count // 2, count - 1) for k in range(5)]
     mutants = {}
     for at in head + record + rows:
-        (right,) = struct.unpack_from("<q", whole, at)
-        others = {0, -1, 1, 7, right - 8, right + 8, right // 2, 2 * right + 8, 1 << 31, 1 << 61, -1 << 63}
-        for other in others - {right}:
-            mutants[f"{at}: {other}"] = whole[:at] + struct.pack("<q", other) + whole[at + 8 :]
+        (stored,) = struct.unpack_from("<q", table, at)
+        wrong_numbers = {
+            0,
+            -1,
+            1,
+            7,
+            stored - 8,
+            stored + 8,
+            stored // 2,
+            2 * stored + 8,
+            1 << 31,
+            1 << 61,
+            -1 << 63,
+        }
+        for number in wrong_numbers - {stored}:
+            mutants[f"{at}: {number}"] = table[:at] + struct.pack("<q", number) + table[at + 8 :]
     chance = random.Random(1)
-    anywhere = [chance.randrange(head_ends, len(whole)) for _ in range(100)]
+    anywhere = [chance.randrange(head_ends, len(table)) for _ in range(100)]
     for at in [*range(guid_ends, head_ends), *anywhere]:
         for flip in (0x01, 0x80, 0xFF):
-            changed = bytes([whole[at] ^ flip])
-            mutants[f"byte {at} ^ {flip}"] = whole[:at] + changed + whole[at + 1 :]
+            changed_byte = bytes([table[at] ^ flip])
+            mutants[f"byte {at} ^ {flip}"] = table[:at] + changed_byte + table[at + 1 :]
     return mutants, [f"{at}: " for at in (head[16], head[17], *record[1:4])]
 
 
 def fates(fmu):
     """Run each mutant, with a recomputed checksum, in its own process.
 
-    Return description → exit code (or minus the number of a signal), with the right table as ``none``, and
+    Return description → result of ``used`` or minus a signal's number, with the valid table as ``none``, and
     the second result of ``mutants_of``.
     """
     library = guarded(fmu)
     file = library.folder / "resources" / "model.bin"
-    whole, count, found = file.read_bytes(), len(library.nodes), {"none": used(library, len(library.nodes))}
-    mutants, sizes = mutants_of(whole)
-    for what, content in mutants.items():
+    table, count, exit_codes = (
+        file.read_bytes(),
+        len(library.nodes),
+        {"none": used(library, len(library.nodes))},
+    )
+    mutants, sizes = mutants_of(table)
+    for name, content in mutants.items():
         file.write_bytes(content[:16] + zlib.crc32(content[24:]).to_bytes(8, "little") + content[24:])
         child = os.fork()
         if child == 0:
@@ -108,5 +124,5 @@ def fates(fmu):
                 code = used(library, count)
             finally:
                 os._exit(code)
-        found[what] = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
-    return [found, sizes]
+        exit_codes[name] = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    return [exit_codes, sizes]

@@ -18,10 +18,10 @@ def in_clean(*models: str, kinds: str, module: str) -> Callable[[Callable[..., N
     def decorated(function: Callable[..., None]) -> Callable[..., None]:
         rest = [*signature(function).parameters][len(models) or 1 :]
 
-        def test(clean: Callable[..., Any], **given: Any) -> None:
-            fmus = given["all_fmus"][kinds] if of_all else given[kinds]
-            paths = [fmus[model] for model in models or (given["model"],)]
-            clean(function, *paths, *(given[name] for name in rest), module=module)
+        def test(clean: Callable[..., Any], **fixture_values: Any) -> None:
+            fmus = fixture_values["all_fmus"][kinds] if of_all else fixture_values[kinds]
+            paths = [fmus[model] for model in models or (fixture_values["model"],)]
+            clean(function, *paths, *(fixture_values[name] for name in rest), module=module)
 
         names = ["clean", "all_fmus" if of_all else kinds, *([] if models else ["model"]), *rest]
         parameters = [Parameter(name, Parameter.KEYWORD_ONLY) for name in dict.fromkeys(names)]

@@ -22,8 +22,8 @@ Clean = Callable[..., Any]
 
 
 # the quick tier has tests of its own for native FMUs of both standards: test_interface.py and test_fmi3.py
-MORE = pytest.mark.full("another kind of FMU")
-KIND = [pytest.param(kind, marks=[MORE] * (kind != "pythonfmu")) for kind in KINDS]
+OTHER_KIND = pytest.mark.full("another kind of FMU")
+KIND = [pytest.param(kind, marks=[OTHER_KIND] * (kind != "pythonfmu")) for kind in KINDS]
 
 
 @pytest.fixture(scope="session", params=KIND)

@@ -1,9 +1,9 @@
 /* Calls the C interface at random: fuzzer SEED SEQUENCES CALLS GUID LOCATION VARIABLES
 
-   Each sequence of calls has two instances, and makes of whatever it has right and wrong arguments: null pointers,
-   value references of nothing, NaN, states of the other instance, damaged bytes, memory that runs out. All memory
-   ends at a page that cannot be touched, and is never touched again once it is free. What every call must keep is
-   checked after it. The last line is a checksum of all that was answered: equal seeds give equal ones. */
+   Each sequence of calls has two instances. Arguments are valid, or wrong: null pointers, unknown value references,
+   NaN, states of the other instance, damaged bytes, too little memory. A page that cannot be accessed follows each
+   block of memory, and a block cannot be accessed after it is freed. Checks follow each call. The last line is a
+   checksum of all results: equal seeds give equal checksums. */
 #define _DEFAULT_SOURCE
 #include <fmi2Functions.h>
 #include <math.h>
@@ -63,11 +63,11 @@ static uint64_t chance(uint64_t below) {
 }
 static int one_in(uint64_t count) { return chance(count) == 0; }
 
-/* --- memory with a page after it that cannot be touched --- */
+/* --- memory, followed by a page that cannot be accessed --- */
 enum { MOST = 4096 };
 static struct { char *pages, *block; size_t whole, size; } blocks[MOST];
 static size_t block_count, page;
-static long blocks_left; /* that can still be had */
+static long blocks_left; /* the number of blocks that can still be allocated */
 
 static void *allocate(size_t count, size_t size) {
     if (blocks_left-- <= 0 || block_count == MOST) return NULL;
@@ -95,7 +95,7 @@ static void release(void *block) {
 }
 
 /* --- messages --- */
-static unsigned messages, remarks; /* all, and those that are no refusal */
+static unsigned messages, remarks; /* all messages, and those that are no refusal */
 static void log_message(void *environment, fmi2String name, fmi2Status status, fmi2String category, fmi2String text, ...) {
     char formatted[8000];
     va_list none;
@@ -151,7 +151,7 @@ static double any_real(void) {
 
 static unsigned any_reference(void) { return one_in(20) ? (unsigned)chance(UINT32_MAX) : (unsigned)chance(variables + 2); }
 
-/* Get or set a few variables; an unknown one must be refused. */
+/* Get or set a few variables; an unknown variable must be refused. */
 static fmi2Status access_values(Instance *one) {
     enum { FEW = 5 };
     unsigned vr[FEW];

@@ -1,5 +1,5 @@
-/* Preloaded into a process, it ends the process at any access to an object of 128 bytes of C++ that is freed, as is the
-   state of pythonfmu's wrapper: each has a page of its own, which cannot be touched any more afterwards. */
+/* A library to preload: it ends the process at an access to a freed C++ object of 128 bytes, such as the state of
+   pythonfmu's wrapper. Each such object has a page of memory of its own, which becomes inaccessible with it. */
 #define _GNU_SOURCE
 #include <stdatomic.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
-/* What importers in C have in common: they load the binary of an FMU, as tools without Python do; for Linux and
-   Windows. */
+/* The common part of the importers in C: they load the binary of an FMU, on Linux and Windows, as tools without Python
+   do. */
 #include <stdio.h>
 #include <stdlib.h>
 #ifdef _WIN32

@@ -1,8 +1,8 @@
 /* An importer in C for FMI 3.0, with event mode: host3 LIBRARY TOKEN RESOURCES STEP STOP TIME COUNT POSITION LENGTH
 
    The last four are the value references of impact.last_time, impact.count and point.position, and the length of that
-   array. It prints a line for each event: the time at which the step returned, that of the impact, and how many impacts
-   it is; then the position at the stop time. All with all bits. */
+   array. It prints a line for each event: the time at which the step returned [s], the time of the impact [s], and the
+   number of impacts so far; then the position at the stop time. Numbers have 17 digits. */
 #include "host.h"
 #include <fmi3Functions.h>
 

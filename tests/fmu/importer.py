@@ -70,11 +70,13 @@ class Instance:
 
     def get(self, names: Iterable[str]) -> list[Any]:
         """Return the values of some variables, with one call for each type."""
-        wanted, values = [self.variables[name] for name in names], {}
+        variables_to_read, values = [self.variables[name] for name in names], {}
         for get, of_type in ((self.fmu.getReal, True), (self.fmu.getInteger, False)):
-            if chosen := [v.valueReference for v in wanted if (v.type in REALS) == of_type]:
-                values |= {(of_type, vr): value for vr, value in zip(chosen, get(chosen), strict=True)}
-        return [values[v.type in REALS, v.valueReference] for v in wanted]
+            if references := [v.valueReference for v in variables_to_read if (v.type in REALS) == of_type]:
+                values |= {
+                    (of_type, vr): value for vr, value in zip(references, get(references), strict=True)
+                }
+        return [values[v.type in REALS, v.valueReference] for v in variables_to_read]
 
     def __getitem__(self, name: str) -> Any:
         """Return the value of a variable."""
@@ -96,11 +98,11 @@ class Instance:
 
     def run(self, times: Iterable[float], names: Iterable[str] | None = None) -> list[list[Any]]:
         """Advance to each time [s] that is still ahead, and return a row of outputs for each time."""
-        chosen, rows = list(self.outputs if names is None else names), []
+        chosen_names, rows = list(self.outputs if names is None else names), []
         for time in times:
             if time > self.time:
                 self.step(time)
-            rows.append(self.get(chosen))
+            rows.append(self.get(chosen_names))
         return rows
 
     def close(self) -> None:

@@ -22,7 +22,7 @@ PHASES = ("instantiated", "initialization mode", "step complete", "step failed",
 
 Logger = CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)
 Allocate = CFUNCTYPE(c_void_p, c_size_t, c_size_t)
-Free = CFUNCTYPE(None, c_void_p)
+FreeMemory = CFUNCTYPE(None, c_void_p)
 Finished = CFUNCTYPE(None, c_void_p, c_int)
 
 
@@ -32,7 +32,7 @@ class Callbacks(ctypes.Structure):
     _fields_ = (
         ("logger", Logger),
         ("allocate", Allocate),
-        ("free", Free),
+        ("free", FreeMemory),
         ("finished", Finished),
         ("environment", c_void_p),
     )
@@ -53,7 +53,7 @@ def unpacked(fmu: str, folder: str | None = None) -> Path:
 
 
 class Binary:
-    """The binary of an FMU, its model description, and its log messages (the text is the last item)."""
+    """The binary of an FMU, its model description, and its log messages, whose last item is the text."""
 
     def __init__(self, fmu: str, folder: str | None = None, mode: int = ctypes.RTLD_LOCAL) -> None:
         """Unzip the FMU and load its binary."""
@@ -71,7 +71,7 @@ class Binary:
         # pythonfmu's wrapper reports every error as fatal
         self.refusal = FATAL if (self.folder / "resources" / "slavemodule.txt").exists() else ERROR
 
-    def said(self) -> list[str]:
+    def new_messages(self) -> list[str]:
         """Return the log texts since the last call of this function."""
         texts = [text for *_, text in self.messages]
         self.messages.clear()
@@ -97,7 +97,7 @@ class Library(Binary):
             self.c.fmi2GetVersion.restype = self.c.fmi2GetTypesPlatform.restype = c_char_p
         self.blocks: dict[int, Any] = {}
         self.left = -1  # number of memory blocks that can still be allocated; unlimited if negative
-        self.callbacks = Callbacks(Logger(self._log), Allocate(self._allocate), Free(self._free))
+        self.callbacks = Callbacks(Logger(self._log), Allocate(self._allocate), FreeMemory(self._free))
 
     @property
     def location(self) -> bytes:
@@ -122,7 +122,7 @@ class Library(Binary):
 
     def instantiate(self, **changes: Any) -> int | None:
         """Call fmi2Instantiate; arguments can replace the usual ones."""
-        usual = {
+        defaults = {
             "name": b"one",
             "type": CO_SIMULATION,
             "guid": self.guid,
@@ -131,7 +131,7 @@ class Library(Binary):
             "visible": 0,
             "logging": 1,
         }
-        values = list({**usual, **changes}.values())
+        values = list({**defaults, **changes}.values())
         return self.c.fmi2Instantiate(*values)
 
 
@@ -161,7 +161,7 @@ class Instance:
         """Create the instance."""
         self.library = library
         self.address = c_void_p(library.instantiate(**changes))
-        assert self.address.value, library.said()
+        assert self.address.value, library.new_messages()
 
     def call(self, name: str, *arguments: Any) -> int:
         """Call a function of the standard."""
@@ -193,23 +193,26 @@ class Instance:
 
 
 def each_call(
-    library: Any, new: Callable[[Any], Any], calls: Mapping[str, Callable[[Any], int]], phases: Iterable[str]
+    library: Any,
+    make_instance: Callable[[Any], Any],
+    calls: Mapping[str, Callable[[Any], int]],
+    phases: Iterable[str],
 ) -> list[list[Any]]:
     """Call each function in each phase, on a new instance each time.
 
     Return rows: phase, function, its status, its messages, and whether it left the state unchanged.
     """
-    found = []
+    rows = []
     for phase in phases:
         for name, call in calls.items():
-            one = new(library).bring_to(phase)
-            before = one.serialized()
-            library.said()
-            status = call(one)
-            messages = library.said()
-            found.append([phase, name, status, messages, before == one.serialized()])
-            one.free()
-    return found
+            instance = make_instance(library).bring_to(phase)
+            state = instance.serialized()
+            library.new_messages()
+            status = call(instance)
+            messages = library.new_messages()
+            rows.append([phase, name, status, messages, state == instance.serialized()])
+            instance.free()
+    return rows
 
 
 def state_calls(names: States) -> dict[str, Callable[[Any], int]]:
@@ -217,26 +220,26 @@ def state_calls(names: States) -> dict[str, Callable[[Any], int]]:
     size = c_size_t()
 
     def with_state(function: Callable[[Any, c_void_p], int]) -> Callable[[Any], int]:
-        def call(one: Any) -> int:
-            state = one.state()
+        def call(instance: Any) -> int:
+            state = instance.state()
             try:
-                return function(one, state)
+                return function(instance, state)
             finally:
-                one.call(names.free, byref(state))
+                instance.call(names.free, byref(state))
 
         return call
 
-    def serialize(one: Any, state: c_void_p) -> int:
-        one.call(names.size, state, byref(size))
-        return one.call(names.serialize, state, ctypes.create_string_buffer(size.value), size)
+    def serialize(instance: Any, state: c_void_p) -> int:
+        instance.call(names.size, state, byref(size))
+        return instance.call(names.serialize, state, ctypes.create_string_buffer(size.value), size)
 
     return {
         names.get: with_state(lambda *_: OK),
-        names.set: with_state(lambda one, state: one.call(names.set, state)),
-        names.free: lambda one: one.call(names.free, byref(c_void_p())),
-        names.size: with_state(lambda one, state: one.call(names.size, state, byref(size))),
+        names.set: with_state(lambda instance, state: instance.call(names.set, state)),
+        names.free: lambda instance: instance.call(names.free, byref(c_void_p())),
+        names.size: with_state(lambda instance, state: instance.call(names.size, state, byref(size))),
         names.serialize: with_state(serialize),
-        names.deserialize: lambda one: one.restore(one.serialized()),
+        names.deserialize: lambda instance: instance.restore(instance.serialized()),
     }
 
 
@@ -275,7 +278,7 @@ class Component(Instance):
             assert self.step(0.0, 1.0) == (self.library.unfinished if phase == "step failed" else OK)
         if phase == "terminated":
             assert self.call("fmi2Terminate") == OK
-        self.library.said()
+        self.library.new_messages()
         return self
 
     def step(self, time: float, size: float) -> int:
@@ -295,7 +298,9 @@ class Component(Instance):
     def real(self, name: str) -> float:
         """Return the value of a Real."""
         reference, cell = c_uint(self.library.references[name]), c_double(-99.0)
-        assert self.call("fmi2GetReal", byref(reference), c_size_t(1), byref(cell)) == OK, self.library.said()
+        assert self.call("fmi2GetReal", byref(reference), c_size_t(1), byref(cell)) == OK, (
+            self.library.new_messages()
+        )
         return cell.value
 
     def integer(self, name: str) -> int:
@@ -319,31 +324,31 @@ class Component(Instance):
 
 def calls() -> dict[str, Callable[[Component], int]]:
     """Return each function of an instance with valid arguments."""
-    cell, whole, text = c_double(), c_int(), c_char_p()
+    cell, integer, text = c_double(), c_int(), c_char_p()
     reference, nil = c_uint(), c_size_t(0)
 
     def variable(function: str, name: str, value: Any) -> Callable[[Component], int]:
-        def call(one: Component) -> int:
-            reference.value = one.library.references[name]
-            return one.call(function, byref(reference), c_size_t(1), byref(value))
+        def call(instance: Component) -> int:
+            reference.value = instance.library.references[name]
+            return instance.call(function, byref(reference), c_size_t(1), byref(value))
 
         return call
 
     def nothing(function: str, *rest: Any) -> Callable[[Component], int]:
-        return lambda one: one.call(function, None, c_size_t(0), *rest)
+        return lambda instance: instance.call(function, None, c_size_t(0), *rest)
 
     def status(function: str, kind: int, place: Any) -> Callable[[Component], int]:
-        return lambda one: one.call(function, kind, byref(place))
+        return lambda instance: instance.call(function, kind, byref(place))
 
     return {
-        "fmi2SetDebugLogging": lambda one: one.call("fmi2SetDebugLogging", 1, c_size_t(0), None),
-        "fmi2SetupExperiment": lambda one: one.setup(),
-        "fmi2EnterInitializationMode": lambda one: one.call("fmi2EnterInitializationMode"),
-        "fmi2ExitInitializationMode": lambda one: one.call("fmi2ExitInitializationMode"),
-        "fmi2Terminate": lambda one: one.call("fmi2Terminate"),
-        "fmi2Reset": lambda one: one.call("fmi2Reset"),
+        "fmi2SetDebugLogging": lambda instance: instance.call("fmi2SetDebugLogging", 1, c_size_t(0), None),
+        "fmi2SetupExperiment": lambda instance: instance.setup(),
+        "fmi2EnterInitializationMode": lambda instance: instance.call("fmi2EnterInitializationMode"),
+        "fmi2ExitInitializationMode": lambda instance: instance.call("fmi2ExitInitializationMode"),
+        "fmi2Terminate": lambda instance: instance.call("fmi2Terminate"),
+        "fmi2Reset": lambda instance: instance.call("fmi2Reset"),
         "fmi2GetReal": variable("fmi2GetReal", "point[0].y", cell),
-        "fmi2GetInteger": variable("fmi2GetInteger", "impact.count", whole),
+        "fmi2GetInteger": variable("fmi2GetInteger", "impact.count", integer),
         "fmi2GetBoolean": nothing("fmi2GetBoolean", None),
         "fmi2GetString": nothing("fmi2GetString", None),
         "fmi2SetReal": variable("fmi2SetReal", "contact.stiffness", c_double(1e7)),
@@ -354,12 +359,12 @@ def calls() -> dict[str, Callable[[Component], int]]:
         "fmi2GetDirectionalDerivative": nothing("fmi2GetDirectionalDerivative", None, nil, None, None),
         "fmi2SetRealInputDerivatives": nothing("fmi2SetRealInputDerivatives", None, None),
         "fmi2GetRealOutputDerivatives": nothing("fmi2GetRealOutputDerivatives", None, None),
-        "fmi2DoStep": lambda one: one.step(1.0, 0.1),
-        "fmi2CancelStep": lambda one: one.call("fmi2CancelStep"),
-        "fmi2GetStatus": status("fmi2GetStatus", DO_STEP_STATUS, whole),
+        "fmi2DoStep": lambda instance: instance.step(1.0, 0.1),
+        "fmi2CancelStep": lambda instance: instance.call("fmi2CancelStep"),
+        "fmi2GetStatus": status("fmi2GetStatus", DO_STEP_STATUS, integer),
         "fmi2GetRealStatus": status("fmi2GetRealStatus", LAST_SUCCESSFUL_TIME, cell),
-        "fmi2GetIntegerStatus": status("fmi2GetIntegerStatus", DO_STEP_STATUS, whole),
-        "fmi2GetBooleanStatus": status("fmi2GetBooleanStatus", TERMINATED_STATUS, whole),
+        "fmi2GetIntegerStatus": status("fmi2GetIntegerStatus", DO_STEP_STATUS, integer),
+        "fmi2GetBooleanStatus": status("fmi2GetBooleanStatus", TERMINATED_STATUS, integer),
         "fmi2GetStringStatus": status("fmi2GetStringStatus", PENDING_STATUS, text),
     }
 
@@ -367,7 +372,7 @@ def calls() -> dict[str, Callable[[Component], int]]:
 ALWAYS = set(PHASES)
 KINDS = ("", "Real", "Integer", "Boolean", "String")
 STATES = ("Get", "Set", "Free", "DeSerialize", "Serialize")
-ALLOWED = {
+ALLOWED_PHASES = {
     **{f"fmi2{verb}FMUstate": ALWAYS for verb in STATES},
     "fmi2SerializedFMUstateSize": ALWAYS,
     "fmi2SetDebugLogging": ALWAYS,
@@ -384,8 +389,10 @@ ALLOWED = {
     "fmi2CancelStep": set(),
     **{f"fmi2Get{kind}Status": {"step complete", "step failed", "terminated"} for kind in KINDS},
 }
-"""The table of section 4.2.4, without steps in progress; the rest is not supported: with no variables, a call
-to it can be made at any time."""
+"""Function → phases in which the standard allows a call (section 4.2.4), without steps in progress.
+
+All phases allow the other functions, which the tests call for no variables.
+"""
 LIMITS = {
     "fmi2GetStatus": {"step complete", "terminated"},
     **{f"fmi2Get{kind}Status": {"instantiated", "initialization mode"} for kind in KINDS[1:]},
@@ -393,5 +400,7 @@ LIMITS = {
     "fmi2SetRealInputDerivatives": ALWAYS,
     "fmi2GetRealOutputDerivatives": ALWAYS,
 }
-"""Exceptions of pythonfmu's wrapper, documented in docs/fmi.md: accepted calls that the standard forbids, or
-refused calls that ask for nothing."""
+"""Function → phases in which pythonfmu's wrapper accepts a forbidden call, or refuses one for no variables.
+
+docs/fmi.md lists these calls.
+"""

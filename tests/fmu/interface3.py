@@ -33,7 +33,7 @@ class Library(Binary):
 
     def instantiate(self, **changes: Any) -> int | None:
         """Call fmi3InstantiateCoSimulation; arguments can replace the usual ones."""
-        usual = {
+        defaults = {
             "name": b"one",
             "token": self.guid,
             "resources": f"{self.folder / 'resources'}/".encode(),
@@ -47,7 +47,7 @@ class Library(Binary):
             "log": self.log,
             "update": None,
         }
-        arguments = ({**usual, **changes}).values()
+        arguments = ({**defaults, **changes}).values()
         return self.c.fmi3InstantiateCoSimulation(
             *(c_bool(a) if isinstance(a, bool) else a for a in arguments)
         )
@@ -74,10 +74,10 @@ class Component(Instance):
         assert self.enter() == OK
         assert self.call("ExitInitializationMode") == OK
         if self.call("EnterEventMode") == ERROR:  # an instance with event mode is already in event mode
-            self.library.said()
+            self.library.new_messages()
             if self.update()[0] == OK:
                 assert self.call("EnterStepMode") == OK
-        self.library.said()
+        self.library.new_messages()
         return self
 
     def bring_to(self, phase: str) -> Component:
@@ -97,7 +97,7 @@ class Component(Instance):
             assert self.step(0.0, 1.0)[0] == ERROR
         if phase == "terminated":
             assert self.call("Terminate") == OK
-        self.library.said()
+        self.library.new_messages()
         return self
 
     def step(self, time: float, size: float) -> list[Any]:
@@ -139,39 +139,39 @@ def calls() -> dict[str, Callable[[Component], int]]:
     none = c_size_t(0)
 
     def plain(name: str, *arguments: Any) -> Callable[[Component], int]:
-        return lambda one: one.call(name, *arguments)
+        return lambda instance: instance.call(name, *arguments)
 
-    def value(one: Component, name: str, kind: str) -> int:
-        found = one.get(name, kind=kind)
-        return OK if isinstance(found, list) else found
+    def value(instance: Component, name: str, kind: str) -> int:
+        result = instance.get(name, kind=kind)
+        return OK if isinstance(result, list) else result
 
-    found: dict[str, Callable[[Component], int]] = {
+    functions: dict[str, Callable[[Component], int]] = {
         "SetDebugLogging": plain("SetDebugLogging", c_bool(True), none, None),
-        "EnterInitializationMode": lambda one: one.enter(),
+        "EnterInitializationMode": lambda instance: instance.enter(),
         "EnterEventMode": plain("EnterEventMode"),
         "EnterStepMode": plain("EnterStepMode"),
-        "UpdateDiscreteStates": lambda one: one.update()[0],
-        "DoStep": lambda one: one.step(0.0, 0.1)[0],
+        "UpdateDiscreteStates": lambda instance: instance.update()[0],
+        "DoStep": lambda instance: instance.step(0.0, 0.1)[0],
         **state_calls(Component.STATES),
     }
     for name in ("ExitInitializationMode", "Terminate", "Reset"):
-        found[name] = plain(name)
+        functions[name] = plain(name)
     for kind in (*TYPES, "Binary", "Clock"):
         for verb in ("Get", "Set"):
-            found[f"{verb}{kind}"] = plain(f"{verb}{kind}", None, none, None, none, none)
-    found["GetFloat64"] = lambda one: value(one, "point[0].y", "Float64")
-    found["GetInt64"] = lambda one: value(one, "impact.count", "Int64")
-    found["SetFloat64"] = lambda one: one.set("contact.stiffness", 1e7)
-    found["SetInt64"] = lambda one: one.set("contact.model", 1)
+            functions[f"{verb}{kind}"] = plain(f"{verb}{kind}", None, none, None, none, none)
+    functions["GetFloat64"] = lambda instance: value(instance, "point[0].y", "Float64")
+    functions["GetInt64"] = lambda instance: value(instance, "impact.count", "Int64")
+    functions["SetFloat64"] = lambda instance: instance.set("contact.stiffness", 1e7)
+    functions["SetInt64"] = lambda instance: instance.set("contact.model", 1)
     for name in ("GetInterval", "SetInterval", "GetShift", "SetShift"):
         for form in ("Decimal", "Fraction"):
-            found[f"{name}{form}"] = plain(f"{name}{form}", None, none, None, None, None)
-    found["GetOutputDerivatives"] = plain("GetOutputDerivatives", None, none, None, None, none)
+            functions[f"{name}{form}"] = plain(f"{name}{form}", None, none, None, None, None)
+    functions["GetOutputDerivatives"] = plain("GetOutputDerivatives", None, none, None, None, none)
     for name in ("GetDirectionalDerivative", "GetAdjointDerivative"):
-        found[name] = plain(name, None, none, None, none, None, none, None, none)
+        functions[name] = plain(name, None, none, None, none, None, none, None, none)
     for name in NEVER:
-        found[name] = plain(name, *([None] * 6))
-    return found
+        functions[name] = plain(name, *([None] * 6))
+    return functions
 
 
 NEVER = (
@@ -184,7 +184,7 @@ NEVER = (
 """Functions that this FMU does not support, according to its model description."""
 ALWAYS = set(PHASES)
 SETTING = ALWAYS - {"step failed", "terminated"}
-ALLOWED = {
+ALLOWED_PHASES = {
     "EnterInitializationMode": {"instantiated"},
     "ExitInitializationMode": {"initialization mode"},
     "EnterEventMode": {"step mode"},
@@ -198,5 +198,7 @@ ALLOWED = {
     "SetInt64": SETTING,
     **{name: set() for name in NEVER},
 }
-"""The state machine. Functions that are not here can be called in every phase; the calls of those for types
-that no variable has name no variables."""
+"""Function → phases in which the standard allows a call.
+
+All phases allow the other functions; the tests call those for types that no variable has, for no variables.
+"""

@@ -1,10 +1,10 @@
-/* An importer in C that has set the processor's floating-point registers in its own way: for x86-64 and Linux.
+/* An importer in C for x86-64 and Linux, which sets the processor's floating-point registers:
 
        registers LIBRARY TOKEN RESOURCES STACK STEPS REFERENCE...
 
-   It runs the FMU once for each way, in a thread with a stack of so many KiB, and prints a line for each: the registers,
-   how many bytes of the stack were used, and the values of the variables at each step, all bits of them. After each call,
-   and in each message, the registers have to be as they were set. It computes nothing that is rounded. */
+   It runs the FMU once for each of 16 settings, in a thread with a stack of STACK KiB, and prints a line for each: the
+   registers, the number of bytes of the stack in use, and the bits of the variables at each step. After each call, and
+   in each message, the registers must be as the importer has set them. The importer itself rounds no number. */
 #define _GNU_SOURCE
 #include "host.h"
 #include <fenv.h>
@@ -24,7 +24,7 @@ static double *values;
 
 static unsigned registers(void) { return __builtin_ia32_stmxcsr(); }
 
-/* As feenableexcept and fesetround do, which set the older unit x87, too. */
+/* Set the registers, also those of the older unit x87, as feenableexcept and fesetround do. */
 static void set_registers(unsigned value) {
     static const int DIRECTIONS[] = {FE_TONEAREST, FE_DOWNWARD, FE_UPWARD, FE_TOWARDZERO};
     fesetenv(FE_DFL_ENV);

@@ -18,7 +18,7 @@ KINDS = {
 }
 """The kinds of FMU → options of the build. The first two kinds are for FMI 2.0."""
 
-ASKED = ["contact.stiffness", "contact.restitution", "initial.angle[*]"]
+PARAMETERS = ["contact.stiffness", "contact.restitution", "initial.angle[*]"]
 FLAT = {"box.x_max": 9.0, "contact.model": "newton_impact", "initial.velocity": [0.0, 0.0]}
 FLAT |= {"initial.angles": [0.0] * 4, "initial.angular_velocities": [0.0] * 4}
 SERVO = {
@@ -30,7 +30,7 @@ SCENES = {
     "cart": cart,
     "led_cart": lambda: cart().with_values({"inputs.joint_targets": True}),
     "derivatives": lambda: load_scene("four_link_box").with_values(
-        {"outputs.sensitivities": ASKED, "outputs.contacts": False}
+        {"outputs.sensitivities": PARAMETERS, "outputs.contacts": False}
     ),
     "flat_derivatives": lambda: load_scene("four_link_box").with_values(
         FLAT | {"outputs.sensitivities": ["contact.restitution"]}

@@ -11,11 +11,11 @@ HEADERS = Path(fmpy.__file__).with_name("c-code")
 def co_simulation_functions() -> list[str]:
     """Return the names of all functions of an FMU for co-simulation (FMI 2.0.5, section 2.3)."""
     text = (HEADERS / "fmi2FunctionTypes.h").read_text(encoding="utf-8")
-    before, after = (
+    begin, end = (
         "Types for Functions for FMI2 for Model Exchange",
         "Types for Functions for FMI2 for Co-Simulation",
     )
-    text = text[: text.index(before)] + text[text.index(after) :]
+    text = text[: text.index(begin)] + text[text.index(end) :]
     return re.findall(r"\b(fmi2\w+)TYPE\b", text[text.index("Types for Common Functions") :])
 
 

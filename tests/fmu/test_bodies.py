@@ -44,10 +44,10 @@ def test_every_output_is_that_of_a_simulation(fmus, clean, model):
     values, inputs = CHANGES[model]
     result = simulate(scene_of(model).with_values(values), STOP, STEP, inputs=inputs)
     names, rows = clean(trajectory, fmus[model], values, inputs, STOP, STEP)
-    found = dict(zip(names, np.transpose(rows), strict=True))
+    fmu_columns = dict(zip(names, np.transpose(rows), strict=True))
     for name, column in result.prepared_scene.series(result.outputs).items():
-        np.testing.assert_array_equal(found[name], column, err_msg=name)
-    assert found["impact.count"][-1] == len(result.impacts) > 0
+        np.testing.assert_array_equal(fmu_columns[name], column, err_msg=name)
+    assert fmu_columns["impact.count"][-1] == len(result.impacts) > 0
 
 
 @pytest.mark.parametrize(
@@ -61,17 +61,17 @@ def test_every_output_is_that_of_a_simulation(fmus, clean, model):
 )
 @importing()
 def test_a_saved_state_goes_on_to_the_last_bit(fmu, save_at):
-    one, two = Instance(fmu).start(), Instance(fmu)
+    first, second = Instance(fmu).start(), Instance(fmu)
     if isinstance(save_at, str):
-        while not one[save_at]:
-            one.step(one.time + 2e-4)
+        while not first[save_at]:
+            first.step(first.time + 2e-4)
     else:
-        one.step(save_at)
-    data = one.fmu.serializeFMUstate(one.fmu.getFMUstate())
-    times = [one.time + 1e-3 * i for i in range(1, 51)]
-    two.fmu.setFMUstate(two.fmu.deSerializeFMUstate(data))
-    two.time = one.time
-    assert one.run(times) == two.run(times)
+        first.step(save_at)
+    data = first.fmu.serializeFMUstate(first.fmu.getFMUstate())
+    times = [first.time + 1e-3 * i for i in range(1, 51)]
+    second.fmu.setFMUstate(second.fmu.deSerializeFMUstate(data))
+    second.time = first.time
+    assert first.run(times) == second.run(times)
 
 
 def test_a_run_of_an_fmu_tells_points_by_their_names(fmus):
@@ -82,13 +82,13 @@ def test_a_run_of_an_fmu_tells_points_by_their_names(fmus):
 
 def test_names_of_points_and_rules_do_not_follow_from_descriptions(fmus, tmp_path):
     bare = tmp_path / "bare.fmu"
-    with zipfile.ZipFile(fmus["body"]) as old, zipfile.ZipFile(bare, "w") as new:
-        for name in old.namelist():
-            content = old.read(name)
+    with zipfile.ZipFile(fmus["body"]) as source_zip, zipfile.ZipFile(bare, "w") as target_zip:
+        for name in source_zip.namelist():
+            content = source_zip.read(name)
             if name == "modelDescription.xml":
                 content = re.sub(rb' description="[^"]*"', b"", content)
-            new.writestr(name, content)
-    before, after = (record_fmu(fmu, {"simulation.stop_time": 0.01}) for fmu in (fmus["body"], bare))
-    assert after.point_names == before.point_names
-    assert after.parameters == before.parameters
+            target_zip.writestr(name, content)
+    run, bare_run = (record_fmu(fmu, {"simulation.stop_time": 0.01}) for fmu in (fmus["body"], bare))
+    assert bare_run.point_names == run.point_names
+    assert bare_run.parameters == run.parameters
     assert read_scene_data(bare).rules

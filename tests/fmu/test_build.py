@@ -57,23 +57,25 @@ def test_fmpy_finds_nothing_wrong(strict, model, quick_names):
 @pytest.mark.full("more cases", but=1)
 def test_a_name_is_judged_as_fmpy_does(native, tmp_path):
     names = {"9x": 1, "a b": 1, "link[1.mass": 1, "link[].mass": 1, "a..b": 1, "mäss": 1}
-    for name, wrong in (names | {"der(x)": 0, "'a b'": 0, "a_1[1,2].b": 0}).items():
+    for name, finding_count in (names | {"der(x)": 0, "'a b'": 0, "a_1[1,2].b": 0}).items():
         change = edited(('"initial.x"', f'"{name}"'), alone=True)
-        found = validate_fmu(spoiled(native["rod_drop"], tmp_path / "x.fmu", change))
-        assert len(found) == wrong
-        assert all(f"{name!r} is not a name of the naming convention" in text for text in found)
+        findings = validate_fmu(spoiled(native["rod_drop"], tmp_path / "x.fmu", change))
+        assert len(findings) == finding_count
+        assert all(f"{name!r} is not a name of the naming convention" in text for text in findings)
 
 
 @pytest.mark.full("more cases", but=["pythonfmu", "native"])
 def test_an_fmu_has_equal_bytes_and_a_guid_of_its_values(fmus, target, tmp_path):
     path = Path(fmus["rod_drop"])
     assert build_fmu("rod_drop", tmp_path, **KINDS[target]).read_bytes() == path.read_bytes()
-    said = {"contact.stiffness": 2e8, "author": "Jane Doe", "version": "1.2"}
-    other = description(build_fmu(load_scene("rod_drop").with_values(said), tmp_path, **KINDS[target]))
+    values = {"contact.stiffness": 2e8, "author": "Jane Doe", "version": "1.2"}
+    changed_description = description(
+        build_fmu(load_scene("rod_drop").with_values(values), tmp_path, **KINDS[target])
+    )
     name = "instantiationToken" if target == "fmi3" else "guid"
-    assert None is not other.get(name) != description(path).get(name) is not None
-    assert (other.get("author"), other.get("version")) == ("Jane Doe", "1.2")
-    assert other.get("generationTool").startswith(f"chain-impact {version('chain-impact')}")
+    assert None is not changed_description.get(name) != description(path).get(name) is not None
+    assert (changed_description.get("author"), changed_description.get("version")) == ("Jane Doe", "1.2")
+    assert changed_description.get("generationTool").startswith(f"chain-impact {version('chain-impact')}")
 
 
 @pytest.mark.full("more cases", but=4)
@@ -84,8 +86,8 @@ def test_an_fmu_has_the_files_of_the_standard(fmus, target, model):
     assert path.name == f"{name}.fmu"
     assert path.stat().st_size < 2e6
     picture = "terminalsAndIcons/icon.png" if target == "fmi3" else "model.png"
-    needed = {"documentation/index.html", "documentation/licenses/license.txt", picture, XML}
-    needed |= {"terminalsAndIcons/terminalsAndIcons.xml"} if target == "fmi3" else set()
+    expected = {"documentation/index.html", "documentation/licenses/license.txt", picture, XML}
+    expected |= {"terminalsAndIcons/terminalsAndIcons.xml"} if target == "fmi3" else set()
     with zipfile.ZipFile(path) as fmu:
         assert fmu.namelist() == sorted(fmu.namelist())
         assert {entry.date_time for entry in fmu.infolist()} == {(1980, 1, 1, 0, 0, 0)}
@@ -98,8 +100,8 @@ def test_an_fmu_has_the_files_of_the_standard(fmus, target, model):
         pixels = pyplot.imread(io.BytesIO(fmu.read(picture)), "png")
         if target != "pythonfmu":  # test_slave.py tests the files of pythonfmu's FMU
             library = f"binaries/{'x86_64-linux' if target == 'fmi3' else 'linux64'}/{name}.so"
-            found = {one for one in fmu.namelist() if one not in {REFERENCE_FILE, SCENE_DATA_FILE}}
-            assert found == needed | {library, "resources/model.bin"}
+            names = {file for file in fmu.namelist() if file not in {REFERENCE_FILE, SCENE_DATA_FILE}}
+            assert names == expected | {library, "resources/model.bin"}
             assert binary(fmu.read(library)).libraries == {"libc.so.6", "libm.so.6"}
             assert f"fmi{FMIS[target]}DoStep" in binary(fmu.read(library)).offered
             assert fmu.getinfo(library).file_size < 540e3
@@ -113,34 +115,36 @@ def test_an_fmu_has_the_files_of_the_standard(fmus, target, model):
 @pytest.mark.full("more cases", but=["elastic_ball", "bouncing_table"])
 @MODELS
 def test_the_description_is_that_of_the_scene_for_both_kinds_of_fmi2(all_fmus, model):
-    both = [description(all_fmus[target][model]) for target in ("pythonfmu", "native")]
-    for root in both:
+    roots = [description(all_fmus[target][model]) for target in ("pythonfmu", "native")]
+    for root in roots:
         del root.attrib["guid"], root.attrib["generationTool"]
         del root.find("CoSimulation").attrib["canNotUseMemoryManagementFunctions"]
-    first, second = ([(n.tag, n.attrib, (n.text or "").strip()) for n in root.iter()] for root in both)
+    first, second = ([(n.tag, n.attrib, (n.text or "").strip()) for n in root.iter()] for root in roots)
     assert first == second
 
 
 @pytest.fixture(scope="module", params=FMIS.values())
 def descriptions(request):
     """Return the version of FMI, and model → (attributes and tag of each variable; the model description)."""
-    found = {}
+    by_model = {}
     for model in model_names():
         root = model_description(PreparedScene(load_scene(model)), "a tool", request.param)
         nodes = list(root.find("ModelVariables"))
-        inner = [dict(n.attrib) if request.param == 3 else dict(n.attrib) | dict(n[0].attrib) for n in nodes]
+        attributes = [
+            dict(n.attrib) if request.param == 3 else dict(n.attrib) | dict(n[0].attrib) for n in nodes
+        ]
         tags = [n.tag if request.param == 3 else n[0].tag for n in nodes]
-        found[model] = {n["name"]: n | {"tag": tag} for n, tag in zip(inner, tags, strict=True)}, root
-    return request.param, found
+        by_model[model] = {n["name"]: n | {"tag": tag} for n, tag in zip(attributes, tags, strict=True)}, root
+    return request.param, by_model
 
 
 def test_variables_and_starts_are_those_of_the_scene_to_the_last_bit(descriptions):
-    fmi, found = descriptions
+    fmi, by_model = descriptions
     tags = {"real": "Float64", "integer": "Int64"} if fmi == 3 else {"real": "Real", "integer": "Integer"}
-    for model, (nodes, _) in found.items():
-        one = PreparedScene(load_scene(model))
-        instance = one.new_instance()
-        for (name, node), variable in zip(nodes.items(), one.variables, strict=fmi == 2):
+    for model, (nodes, _) in by_model.items():
+        prepared_scene = PreparedScene(load_scene(model))
+        instance = prepared_scene.new_instance()
+        for (name, node), variable in zip(nodes.items(), prepared_scene.variables, strict=fmi == 2):
             assert (name, node["tag"]) == (variable.name, tags.get(variable.type, "Enumeration"))
             assert (node["causality"], node["variability"]) == (variable.causality, variable.variability)
             assert node.get("unit", "") == variable.unit
@@ -152,12 +156,12 @@ def test_variables_and_starts_are_those_of_the_scene_to_the_last_bit(description
 
 
 def test_units_types_unknowns_and_ranges_are_complete(descriptions):
-    fmi, found = descriptions
-    for nodes, root in found.values():
+    fmi, by_model = descriptions
+    for nodes, root in by_model.values():
         assert root.get("generationDateAndTime").endswith("Z")
         assert root.get("variableNamingConvention") == "structured"
         units = {unit.get("name") for unit in root.iter("Unit")}
-        types = {one.get("name") for one in root.find("TypeDefinitions")}
+        types = {element.get("name") for element in root.find("TypeDefinitions")}
         for node in nodes.values():
             assert "unit" in node or node["tag"] not in ("Real", "Float64")
             assert node.get("unit") in {*units, None}
@@ -168,8 +172,10 @@ def test_units_types_unknowns_and_ranges_are_complete(descriptions):
         places = [list(nodes).index(node["name"]) + (fmi == 2) for node in outputs]
         parts = ("Output", "InitialUnknown") if fmi == 3 else ("Outputs/Unknown", "InitialUnknowns/Unknown")
         for part in parts:
-            unknown = root.iter(part) if fmi == 3 else root.find("ModelStructure").iterfind(part)
-            assert [int(one.get("valueReference" if fmi == 3 else "index")) for one in unknown] == places
+            unknowns = root.iter(part) if fmi == 3 else root.find("ModelStructure").iterfind(part)
+            assert [
+                int(element.get("valueReference" if fmi == 3 else "index")) for element in unknowns
+            ] == places
         assert float(nodes["energy.kinetic"]["min"]) == 0.0
         assert nodes["impact.last_point"]["min"] == "-1"
         assert nodes["solver.status"]["max"] == str(max(STATUS_TEXT))
@@ -177,16 +183,16 @@ def test_units_types_unknowns_and_ranges_are_complete(descriptions):
 
 
 def test_rates_name_what_they_are_the_rate_of(descriptions):
-    fmi, found = descriptions
-    for nodes, _ in found.values():
+    fmi, by_model = descriptions
+    for nodes, _ in by_model.values():
         names = list(nodes)
         rates = {n: names[int(v["derivative"]) - (fmi == 2)] for n, v in nodes.items() if "derivative" in v}
-        some = {"point[1].ay": "point[1].vy", "point[0].vx": "point[0].x"}
-        some["link[1].angular_acceleration"] = "link[1].angular_velocity"
-        some["link[1].angular_velocity"] = "link[1].angle"
+        expected_rates = {"point[1].ay": "point[1].vy", "point[0].vx": "point[0].x"}
+        expected_rates["link[1].angular_acceleration"] = "link[1].angular_velocity"
+        expected_rates["link[1].angular_velocity"] = "link[1].angle"
         if fmi == 3:
-            some["point.velocity"] = "point.position"
-        assert some.items() <= rates.items()
+            expected_rates["point.velocity"] = "point.position"
+        assert expected_rates.items() <= rates.items()
         ends = (".vx", ".vy", ".ax", ".ay", ".angular_velocity", ".angular_acceleration")
         outputs = [n for n, v in nodes.items() if v["causality"] == "output" and n.endswith(ends)]
         assert [name for name in rates if name in outputs] == outputs
@@ -210,16 +216,16 @@ def test_the_nominal_depth_and_force_are_those_of_one_energy(exponent):
 
 
 def test_the_description_keeps_the_schema_of_the_standard(descriptions):
-    fmi, found = descriptions
+    fmi, by_model = descriptions
     folder = Path(fmpy.__file__).with_name("schema") / f"fmi{fmi}"
     schema = etree.XMLSchema(etree.parse(folder / f"fmi{fmi}ModelDescription.xsd"))
-    for _, root in found.values():
+    for _, root in by_model.values():
         schema.assertValid(etree.fromstring(tostring(root)))
 
 
 def test_arrays_are_what_their_elements_are(descriptions):
-    fmi, found = descriptions
-    for nodes, root in found.values() if fmi == 3 else ():
+    fmi, by_model = descriptions
+    for nodes, root in by_model.values() if fmi == 3 else ():
         references = [int(n.get("valueReference")) for n in root.find("ModelVariables")]
         assert references == list(range(len(nodes)))
         assert nodes["time"]["causality"] == "independent"
@@ -227,20 +233,20 @@ def test_arrays_are_what_their_elements_are(descriptions):
         assert arrays
         for node in arrays:
             first, _, last = node.get("description").removeprefix("array of ").partition(" to ")
-            kept = ("unit", "min", "max", "nominal", "variability")
-            assert all(node.get(key) == nodes[first].get(key) for key in kept)
+            keys = ("unit", "min", "max", "nominal", "variability")
+            assert all(node.get(key) == nodes[first].get(key) for key in keys)
             sizes = [int(size.get("start")) for size in node.iter("Dimension")]
             assert last in nodes or np.prod(sizes) == 1
 
 
 def test_inputs_act_at_once_on_accelerations_and_forces_only(descriptions):
-    fmi, found = descriptions
-    nodes, root = found["pinned_arm"]
+    fmi, by_model = descriptions
+    nodes, root = by_model["pinned_arm"]
     names, key = list(nodes), "valueReference" if fmi == 3 else "index"
     outputs = root.iter("Output") if fmi == 3 else root.find("ModelStructure/Outputs")
-    for unknown in outputs:
-        name = names[int(unknown.get(key)) - (fmi == 2)]
-        on = [names[int(number) - (fmi == 2)] for number in unknown.get("dependencies").split()]
+    for output in outputs:
+        name = names[int(output.get(key)) - (fmi == 2)]
+        on = [names[int(number) - (fmi == 2)] for number in output.get("dependencies").split()]
         at_once = name.endswith(AT_ONCE) and not name.startswith("point[0]")  # the base is pinned
         assert on == (["joint[1].torque", "joint[2].torque"] if at_once else []), name
 
@@ -252,20 +258,25 @@ CAPABILITIES |= {"canHandleVariableCommunicationStepSize": "true"}
 
 def test_an_fmu_declares_its_capabilities(fmus, target):
     states = "FMUState" if target == "fmi3" else "FMUstate"
-    more = {"canInterpolateInputs": "false"}
-    more["canNotUseMemoryManagementFunctions"] = "true" if target == "pythonfmu" else "false"
-    events = {"mightReturnEarlyFromDoStep": "true", "hasEventMode": "true"}
-    kept = {f"canGetAndSet{states}": "true", f"canSerialize{states}": "true"}
-    expected = CAPABILITIES | kept | (events if target == "fmi3" else more)
+    of_fmi2 = {"canInterpolateInputs": "false"}
+    of_fmi2["canNotUseMemoryManagementFunctions"] = "true" if target == "pythonfmu" else "false"
+    of_fmi3 = {"mightReturnEarlyFromDoStep": "true", "hasEventMode": "true"}
+    of_states = {f"canGetAndSet{states}": "true", f"canSerialize{states}": "true"}
+    expected = CAPABILITIES | of_states | (of_fmi3 if target == "fmi3" else of_fmi2)
     assert description(fmus["rod_drop"]).find("CoSimulation").attrib == expected
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_whose_the_model_is_only_the_scene_says(fmi):
-    said = {"author": "Jane Doe", "copyright": "© 2026 Example <Ltd>", "license": "CC-BY-4.0", "version": "1"}
-    for values in ({}, said, {"author": "Jane Doe"}):
+    texts = {
+        "author": "Jane Doe",
+        "copyright": "© 2026 Example <Ltd>",
+        "license": "CC-BY-4.0",
+        "version": "1",
+    }
+    for values in ({}, texts, {"author": "Jane Doe"}):
         root = model_description(PreparedScene(load_scene("rod_drop").with_values(values)), "a tool", fmi)
-        assert {name: root.get(name) for name in said if name in root.attrib} == values
+        assert {name: root.get(name) for name in texts if name in root.attrib} == values
         assert root.get("generationTool") == "a tool"
 
 
@@ -275,15 +286,15 @@ def ranges(fmu):
     rows = instance.run([0.002 * (i + 1) for i in range(1000)])
     limits = {name: instance.variables[name] for name in instance.outputs}
     columns = zip(instance.outputs, zip(*rows, strict=True), strict=True)
-    return [[name, min(one), max(one), limits[name].min, limits[name].max] for name, one in columns]
+    return [[name, min(values), max(values), limits[name].min, limits[name].max] for name, values in columns]
 
 
 def test_outputs_keep_their_ranges(fmus, clean):
-    found = clean(ranges, fmus["four_link_box"])
-    for name, low, high, least, most in found:
-        assert least is None or low >= float(least), name
-        assert most is None or high <= float(most), name
-    assert len([least for *_, least, _ in found if least is not None]) > 5
+    rows = clean(ranges, fmus["four_link_box"])
+    for name, low, high, minimum, maximum in rows:
+        assert minimum is None or low >= float(minimum), name
+        assert maximum is None or high <= float(maximum), name
+    assert len([minimum for *_, minimum, _ in rows if minimum is not None]) > 5
 
 
 def responses(fmu, laws):
@@ -292,7 +303,7 @@ def responses(fmu, laws):
     Smaller changes than the solver's tolerance do not count: the solver puts points at rest back onto a rigid
     wall when it starts anew.
     """
-    changed, settings = {}, {"gravity.x": 9.81, "gravity.y": 0.0}
+    outputs_of_laws, settings = {}, {"gravity.x": 9.81, "gravity.y": 0.0}
     settings |= {"link[1].joint_damping": 2.0, "link[2].joint_damping": 2.0}
     for law in range(1, laws + 1):
         instance = Instance(fmu)
@@ -300,38 +311,38 @@ def responses(fmu, laws):
             instance.start(**settings, **{"contact.model": law})
         except Exception:  # a law with another exponent
             continue
-        found, names = set(), instance.outputs
+        changed_outputs, names = set(), instance.outputs
         for k in range(375):
             instance.step((k + 1) / 128)
-            before, state = instance.get(names), instance.fmu.getFMUstate()
+            values, state = instance.get(names), instance.fmu.getFMUstate()
             for name in ("joint[1].torque", "joint[2].torque"):
                 instance.set({name: -5.0})
-                pairs = zip(names, before, instance.get(names), strict=True)
-                found |= {n for n, a, b in pairs if abs(b - a) > 1e-8 * max(1.0, abs(a))}
+                pairs = zip(names, values, instance.get(names), strict=True)
+                changed_outputs |= {n for n, a, b in pairs if abs(b - a) > 1e-8 * max(1.0, abs(a))}
                 instance.fmu.setFMUstate(state)
             instance.fmu.freeFMUstate(state)
-        changed[law] = sorted(found)
+        outputs_of_laws[law] = sorted(changed_outputs)
         instance.close()
-    return changed
+    return outputs_of_laws
 
 
 @pytest.mark.full("takes long")
 def test_dependencies_are_true_under_every_law(native, clean):
     outputs = fmpy.read_model_description(native["pinned_arm"]).outputs
     declared = {output.variable.name for output in outputs if output.dependencies}
-    changed = clean(responses, native["pinned_arm"], len(CONTACT_LAWS))
-    assert len(changed) >= len(CONTACT_LAWS) - 1
-    for law, found in changed.items():
-        assert set(found) <= declared, law
-        assert "link[2].angular_acceleration" in found
-    assert "contact[2].x_max.force" in changed[str(CONTACT_LAWS["newton_impact"].number)]
+    outputs_of_laws = clean(responses, native["pinned_arm"], len(CONTACT_LAWS))
+    assert len(outputs_of_laws) >= len(CONTACT_LAWS) - 1
+    for law, changed_outputs in outputs_of_laws.items():
+        assert set(changed_outputs) <= declared, law
+        assert "link[2].angular_acceleration" in changed_outputs
+    assert "contact[2].x_max.force" in outputs_of_laws[str(CONTACT_LAWS["newton_impact"].number)]
 
 
 # --- what can go wrong -----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
-    ("options", "said"),
+    ("options", "message"),
     [
         ({"platforms": ()}, r"platforms = .* must be some of linux64, win64"),
         ({"platforms": ("linux64", "amiga"), "target": "native"}, r"platforms = .* must be some of"),
@@ -340,8 +351,8 @@ def test_dependencies_are_true_under_every_law(native, clean):
         ({"target": "pythonfmu", "fmi": 3}, r"for FMI 2\.0 only: FMI 3\.0 needs target = 'native'"),
     ],
 )
-def test_an_fmu_that_cannot_be_built_is_refused(tmp_path, options, said):
-    with pytest.raises(BuildError, match=said):
+def test_an_fmu_that_cannot_be_built_is_refused(tmp_path, options, message):
+    with pytest.raises(BuildError, match=message):
         build_fmu("rod_drop", tmp_path, **options)
     assert not list(tmp_path.iterdir())
 
@@ -357,11 +368,11 @@ def test_an_invalid_fmu_does_not_appear(tmp_path, monkeypatch, native):
 @pytest.mark.full("takes long")
 def test_an_fmu_that_is_a_link_leaves_no_other_file_in_its_folder(tmp_path):
     """The target of a link is written in place, as /dev/stdout is; a missing folder is made."""
-    folder, kept = tmp_path / "a" / "folder", tmp_path / "kept.fmu"
+    folder, linked_file = tmp_path / "a" / "folder", tmp_path / "kept.fmu"
     assert build_fmu("rod_drop", folder) == folder / "RodDrop.fmu"
     (folder / "RodDrop.fmu").unlink()
-    (folder / "RodDrop.fmu").symlink_to(kept)
+    (folder / "RodDrop.fmu").symlink_to(linked_file)
     for _ in range(2):
         assert validate_fmu(build_fmu("rod_drop", folder)) == []
     assert [file.name for file in folder.iterdir()] == ["RodDrop.fmu"]
-    assert kept.is_file()
+    assert linked_file.is_file()

@@ -18,8 +18,8 @@ from chain_impact.pictures.chain_at_start import icon
 from chain_impact.variables.prepared import PreparedScene
 
 SCHEMA = Path(fmpy.__file__).parent / "schema" / "fmi3" / "fmi3TerminalsAndIcons.xsd"
-DRIVEN = {"inputs.joint_torques": True, "inputs.joint_targets": True, "inputs.base_motion": True}
-DRIVEN |= {"inputs.tip_force": True, "inputs.wall_motion": True, "outputs.loads": True}
+WITH_INPUTS = {"inputs.joint_torques": True, "inputs.joint_targets": True, "inputs.base_motion": True}
+WITH_INPUTS |= {"inputs.tip_force": True, "inputs.wall_motion": True, "outputs.loads": True}
 
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -37,7 +37,7 @@ def labels(picture):
 def points(picture):
     """Return the coordinates of the largest group of marks: the chain's marks, in units of the drawing."""
     marks = [
-        [(float(one.get("x")), float(one.get("y"))) for one in group.iter(f"{SVG}use")]
+        [(float(mark.get("x")), float(mark.get("y"))) for mark in group.iter(f"{SVG}use")]
         for group in picture.iter(f"{SVG}g")
     ]
     return max((group for group in marks if group), key=len)
@@ -47,10 +47,10 @@ def points(picture):
 @pytest.mark.parametrize("model", model_names())
 def test_the_drawing_names_points_walls_and_the_first_angle(model):
     scene, picture = load_scene(model), drawing_of(load_scene(model))
-    told = labels(picture)
-    assert {"x", "y", "+", "point 0", str(len(scene.chain.links))} | set(scene.half_planes) <= set(told)
-    assert told.count("n") == len(scene.half_planes)
-    assert sum(label.startswith("θ1 = ") for label in told) == 1
+    texts = labels(picture)
+    assert {"x", "y", "+", "point 0", str(len(scene.chain.links))} | set(scene.half_planes) <= set(texts)
+    assert texts.count("n") == len(scene.half_planes)
+    assert sum(label.startswith("θ1 = ") for label in texts) == 1
 
 
 def test_an_arm_is_drawn_as_it_hangs():
@@ -64,31 +64,31 @@ def test_an_arm_is_drawn_as_it_hangs():
 
 
 def test_settings_of_matplotlib_change_no_picture_of_a_scene():
-    prepared = PreparedScene(load_scene("ramp"))
-    before = page(prepared, 2), icon(prepared.scene)
+    prepared_scene = PreparedScene(load_scene("ramp"))
+    pictures = page(prepared_scene, 2), icon(prepared_scene.scene)
     with mpl.rc_context({"font.size": 20.0, "savefig.facecolor": "black", "lines.linewidth": 9.0}):
-        assert (page(PreparedScene(load_scene("ramp")), 2), icon(prepared.scene)) == before
+        assert (page(PreparedScene(load_scene("ramp")), 2), icon(prepared_scene.scene)) == pictures
 
 
 def test_the_documentation_page_has_the_author_and_a_row_for_each_kind():
-    said = {"author": "Jane <Doe>", "version": "1.2", "copyright": "2026 Jane Doe", "license": "MIT"}
-    prepared = PreparedScene(load_scene("four_link_box").with_values(said))
-    text = page(prepared, 2)
+    values = {"author": "Jane <Doe>", "version": "1.2", "copyright": "2026 Jane Doe", "license": "MIT"}
+    prepared_scene = PreparedScene(load_scene("four_link_box").with_values(values))
+    text = page(prepared_scene, 2)
     table = text[text.index("Variables by kind") : text.index("<details>")]
     assert "Author: Jane &lt;Doe&gt;; Version: 1.2; Copyright: 2026 Jane Doe; License: MIT" in text
     assert "Author" not in page(PreparedScene(load_scene("four_link_box")), 2)
-    for kind, count in Counter(variable.kind.pattern for variable in prepared.variables).items():
+    for kind, count in Counter(variable.kind.pattern for variable in prepared_scene.variables).items():
         assert table.count(f"<tr><td>{escape(kind)}</td><td>{count}</td>") == 1
 
 
-@pytest.mark.parametrize(("model", "changes"), [("four_link_box", {}), ("pinned_arm", DRIVEN)])
+@pytest.mark.parametrize(("model", "changes"), [("four_link_box", {}), ("pinned_arm", WITH_INPUTS)])
 def test_terminals_are_valid_and_group_variables_of_owners(model, changes):
     variables = PreparedScene(load_scene(model).with_values(changes)).variables
     content = terminals_and_icons(variables)
     schema = etree.XMLSchema(etree.parse(str(SCHEMA)))
     schema.assertValid(etree.fromstring(content))
     causality = {variable.name: variable.causality for variable in variables}
-    found, seen = {}, []
+    members_of_terminals, member_names = {}, []
 
     def read(parent, path):
         names = [terminal.get("name") for terminal in parent.findall("Terminal")]
@@ -96,24 +96,26 @@ def test_terminals_are_valid_and_group_variables_of_owners(model, changes):
         for terminal in parent.findall("Terminal"):
             name = ".".join([*path, terminal.get("name")])
             for member in terminal.findall("TerminalMemberVariable"):
-                seen.append(member.get("variableName"))
-                assert seen[-1] == f"{name}.{member.get('memberName')}"
-                found.setdefault(name, set()).add(member.get("memberName"))
+                member_names.append(member.get("variableName"))
+                assert member_names[-1] == f"{name}.{member.get('memberName')}"
+                members_of_terminals.setdefault(name, set()).add(member.get("memberName"))
             read(terminal, [*path, terminal.get("name")])
 
     read(ElementTree.fromstring(content).find("Terminals"), [])
-    assert len(seen) == len(set(seen))
-    assert {causality[name] for name in seen} <= {"input", "output"}
-    assert {"angle", "angular_velocity"} <= found["joint[2]"]
-    assert found["point[2]"] == {"x", "y", "vx", "vy", "ax", "ay"}
+    assert len(member_names) == len(set(member_names))
+    assert {causality[name] for name in member_names} <= {"input", "output"}
+    assert {"angle", "angular_velocity"} <= members_of_terminals["joint[2]"]
+    assert members_of_terminals["point[2]"] == {"x", "y", "vx", "vy", "ax", "ay"}
     if changes:
-        assert {"torque", "target_angle", "target_velocity", "moment", "force.x"} <= found["joint[2]"]
-        assert {"x", "vx", "ax"} <= found["base"]
-        assert found["tip"] == {"force.x", "force.y"}
-        assert {"displacement", "belt_speed", "load.x"} <= found["wall.x_max"]
+        assert {"torque", "target_angle", "target_velocity", "moment", "force.x"} <= members_of_terminals[
+            "joint[2]"
+        ]
+        assert {"x", "vx", "ax"} <= members_of_terminals["base"]
+        assert members_of_terminals["tip"] == {"force.x", "force.y"}
+        assert {"displacement", "belt_speed", "load.x"} <= members_of_terminals["wall.x_max"]
 
 
 def test_only_fmi3_has_terminals():
-    prepared = PreparedScene(load_scene("rod_drop"))
-    assert TERMINALS_FILE in documents(prepared, 3)
-    assert TERMINALS_FILE not in documents(prepared, 2)
+    prepared_scene = PreparedScene(load_scene("rod_drop"))
+    assert TERMINALS_FILE in documents(prepared_scene, 3)
+    assert TERMINALS_FILE not in documents(prepared_scene, 2)

@@ -12,7 +12,7 @@ import pytest
 
 from chain_impact import CONTACT_LAWS, load_scene, simulate
 from tests.fmu.clean import calling3
-from tests.fmu.interface3 import ALLOWED, ERROR, OK, PHASES, Component, Library, calls, each_call
+from tests.fmu.interface3 import ALLOWED_PHASES, ERROR, OK, PHASES, Component, Library, calls, each_call
 from tests.helpers.scenes.stops import knee_scene
 
 RIGID = CONTACT_LAWS["newton_impact"].number
@@ -34,7 +34,7 @@ def test_an_impossible_instance_is_refused_in_one_sentence(fmu):
             ((status, category, text),) = library.messages
             assert (status, category in library.categories) == (ERROR, True)
             assert sentence in text
-            library.said()
+            library.new_messages()
         assert library.instantiate(log=None, **changes) is None
 
     for name in (None, b" \t"):
@@ -47,12 +47,12 @@ def test_an_impossible_instance_is_refused_in_one_sentence(fmu):
     refused("resourcePath /not/there/ has no file model.bin that can be read", resources=b"/not/there/")
     refused("fmi3InstantiateCoSimulation: resourcePath /xxx", resources=b"/" + b"x" * 100_000)
     refused("resourcePath /a##1##%s/ has no file", resources=b"/a#1#%s/")  # the standard escapes # as ##
-    some = {"intermediate": byref(c_uint32(0)), "intermediates": c_size_t(1)}
-    refused("no variable can be had or set during a step", **some)
+    intermediates = {"intermediate": byref(c_uint32(0)), "intermediates": c_size_t(1)}
+    refused("no variable can be had or set during a step", **intermediates)
     for kind in ("ModelExchange", "ScheduledExecution"):
         arguments = (b"one", library.guid, str(odd).encode(), c_bool(False), c_bool(True), None, library.log)
         assert getattr(library.c, f"fmi3Instantiate{kind}")(*arguments, None, None, None) is None
-        assert library.said() == [f"fmi3Instantiate{kind}: this FMU is for co-simulation only"]
+        assert library.new_messages() == [f"fmi3Instantiate{kind}: this FMU is for co-simulation only"]
     for form in (str(odd), f"{odd}/"):
         assert library.instantiate(resources=form.encode())
     (library.folder / "resources" / "model.bin").write_bytes(b"x" * 300)
@@ -72,10 +72,10 @@ def test_the_state_machine(fmu):
     # three functions that create an instance, the function that frees it, and the version are exempt
     assert len(functions) == len(all_functions_of_fmi3()) - 5
     for phase, name, status, messages, unchanged in each_call(Library(fmu), Component, calls(), PHASES):
-        allowed = phase in ALLOWED.get(name, PHASES)
-        assert status == (OK if allowed else ERROR), (phase, name, messages)
+        is_allowed = phase in ALLOWED_PHASES.get(name, PHASES)
+        assert status == (OK if is_allowed else ERROR), (phase, name, messages)
         assert len(messages) == (status != OK), (phase, name, messages)
-        assert allowed or unchanged, (phase, name)
+        assert is_allowed or unchanged, (phase, name)
 
 
 @calling3("rod_drop")
@@ -86,19 +86,19 @@ def test_null_pointers_are_refused(fmu):
     in_event = Component(library).bring_to("event mode")
     nobody.free()
     nobody.address = c_void_p()
-    some, nothing = c_size_t(3), [None] * 9
-    pointers = {"SetDebugLogging": [c_bool(True), some, None]}
+    count, nulls = c_size_t(3), [None] * 9
+    pointers = {"SetDebugLogging": [c_bool(True), count, None]}
     pointers["EnterInitializationMode"] = [c_bool(False), c_double(), c_double(), c_bool(False), c_double()]
-    pointers["DoStep"] = [c_double(0.0), c_double(0.1), c_bool(False), *nothing[:4]]
+    pointers["DoStep"] = [c_double(0.0), c_double(0.1), c_bool(False), *nulls[:4]]
     for name in calls():
-        found = pointers.get(name, [None, some, None, some, None, some, None, some, None])
+        arguments = pointers.get(name, [None, count, None, count, None, count, None, count, None])
         if "FMUState" in name or name == "UpdateDiscreteStates":
-            found = nothing
-        assert nobody.call(name, *found) == ERROR, name
+            arguments = nulls
+        assert nobody.call(name, *arguments) == ERROR, name
         if name not in ("Reset", "Terminate", "EnterEventMode", "EnterStepMode", "FreeFMUState"):
-            for one in [in_event] if name == "UpdateDiscreteStates" else [stepping, in_event]:
-                library.said()
-                assert (one.call(name, *found), len(library.said())) == (ERROR, 1), name
+            for instance in [in_event] if name == "UpdateDiscreteStates" else [stepping, in_event]:
+                library.new_messages()
+                assert (instance.call(name, *arguments), len(library.new_messages())) == (ERROR, 1), name
     library.c.fmi3FreeInstance(None)
     assert stepping.step(0.0, 0.1)[0] == stepping.call("FreeFMUState", None) == OK
 
@@ -108,14 +108,18 @@ def test_without_early_return_steps_are_plain(fmu):
     """Cover importers without event mode, and importers that do not allow an early return."""
     library = Library(fmu)
     for event_mode, early_return in ((False, False), (False, True), (True, False)):
-        one = Component(library, event_mode=event_mode, early_return=early_return).start()
+        instance = Component(library, event_mode=event_mode, early_return=early_return).start()
         for k in range(16):
-            assert one.step(k * 0.0625, 0.0625) == [OK, False, False, False, (k + 1) * 0.0625]
-        assert one.get("impact.count", kind="Int64")[0] > 3
+            assert instance.step(k * 0.0625, 0.0625) == [OK, False, False, False, (k + 1) * 0.0625]
+        assert instance.get("impact.count", kind="Int64")[0] > 3
         if not event_mode:
-            assert [one.call("EnterEventMode"), one.update()[0], one.call("EnterStepMode")] == [ERROR] * 3
-            why = "the instance was made with eventModeUsed = fmi3False"
-            assert library.said()[0] == f"fmi3EnterEventMode cannot be called: {why}"
+            assert [
+                instance.call("EnterEventMode"),
+                instance.update()[0],
+                instance.call("EnterStepMode"),
+            ] == [ERROR] * 3
+            reason = "the instance was made with eventModeUsed = fmi3False"
+            assert library.new_messages()[0] == f"fmi3EnterEventMode cannot be called: {reason}"
 
 
 # --- event mode ------------------------------------------------------------------------------------------
@@ -128,33 +132,33 @@ def stopping(fmu, size, stop):
     """
     library, events = Library(fmu), []
     names = [n for n in library.references if library.shapes[n] and n not in ("impact.point", "impact.wall")]
-    one, plain = Component(library).start(), Component(library, event_mode=False).start()
+    instance, plain = Component(library).start(), Component(library, event_mode=False).start()
 
     def count():
-        return one.get("impact.count", kind="Int64")[0]
+        return instance.get("impact.count", kind="Int64")[0]
 
     time = 0.0
     for k in range(1, round(stop / size) + 1):
         while time < k * size:
-            status, needed, ended, early, reached = one.step(time, k * size - time)
-            assert [status, ended, early] == [OK, False, needed and reached < k * size]
-            assert needed or reached == k * size
-            time = reached
-            if needed:
-                before = count()
-                assert one.call("EnterEventMode") == OK
-                left = count()
-                assert one.update() == [OK, False, False, False, False, False, time]
-                right = count()
-                assert before == left < right
-                assert one.get("impact.last_time", "time") == [time, time]
-                events.append([time, right - left])
-                assert one.update()[0] == OK  # a second update has nothing to do
-                assert count() == right
-                assert one.call("EnterStepMode") == OK
+            status, event_needed, ended, early, end_time = instance.step(time, k * size - time)
+            assert [status, ended, early] == [OK, False, event_needed and end_time < k * size]
+            assert event_needed or end_time == k * size
+            time = end_time
+            if event_needed:
+                count_before = count()
+                assert instance.call("EnterEventMode") == OK
+                count_in_event = count()
+                assert instance.update() == [OK, False, False, False, False, False, time]
+                count_after = count()
+                assert count_before == count_in_event < count_after
+                assert instance.get("impact.last_time", "time") == [time, time]
+                events.append([time, count_after - count_in_event])
+                assert instance.update()[0] == OK  # a second update has nothing to do
+                assert count() == count_after
+                assert instance.call("EnterStepMode") == OK
         # the difference and the sum are exact, so that both instances have bit-equal times
         assert plain.step((k - 1) * size, k * size - (k - 1) * size)[0] == OK
-        assert one.get(*names) == plain.get(*names)
+        assert instance.get(*names) == plain.get(*names)
     return events
 
 
@@ -180,24 +184,24 @@ def test_a_step_that_ends_at_an_impact_is_not_early(fmu):
 @calling3("rod_drop")
 def test_parameters_set_at_an_impact_hold_for_it(fmu, rigid):
     """A rod falls flat; at each impact the test sets another restitution, and compares the speeds."""
-    one, time = Component(Library(fmu)), 0.0
-    one.start(**{"initial.angle[1]": 0.0, "contact.model": rigid, "initial.y": 0.5})
+    instance, time = Component(Library(fmu)), 0.0
+    instance.start(**{"initial.angle[1]": 0.0, "contact.model": rigid, "initial.y": 0.5})
     for restitution in (0.9, 0.25, 0.6):
-        _, needed, _, early, time = one.step(time, 5.0)
-        assert [needed, early, one.call("EnterEventMode")] == [True, True, OK]
-        assert one.set("contact.restitution", restitution) == OK
-        left, state = one.get("point[0].vy", "point[1].vy"), one.serialized()
-        assert one.update()[0] == OK
-        right, after = one.get("point[0].vy", "point[1].vy"), one.serialized()
-        assert one.restore(state) == OK  # restores event mode before the impact
-        assert one.get("point[0].vy", "point[1].vy") == left
-        assert one.update()[0] == OK
-        assert one.get("point[0].vy", "point[1].vy") == right
-        assert one.serialized() == after
-        assert one.call("EnterStepMode") == OK
-        assert left[0] < 0.0
-        for before, now in zip(left, right, strict=True):
-            assert abs(now + restitution * before) < 1e-12 * abs(now)
+        _, event_needed, _, early, time = instance.step(time, 5.0)
+        assert [event_needed, early, instance.call("EnterEventMode")] == [True, True, OK]
+        assert instance.set("contact.restitution", restitution) == OK
+        speeds_before, state = instance.get("point[0].vy", "point[1].vy"), instance.serialized()
+        assert instance.update()[0] == OK
+        speeds_after, state_after = instance.get("point[0].vy", "point[1].vy"), instance.serialized()
+        assert instance.restore(state) == OK  # restores event mode before the impact
+        assert instance.get("point[0].vy", "point[1].vy") == speeds_before
+        assert instance.update()[0] == OK
+        assert instance.get("point[0].vy", "point[1].vy") == speeds_after
+        assert instance.serialized() == state_after
+        assert instance.call("EnterStepMode") == OK
+        assert speeds_before[0] < 0.0
+        for speed_before, speed_after in zip(speeds_before, speeds_after, strict=True):
+            assert abs(speed_after + restitution * speed_before) < 1e-12 * abs(speed_after)
 
 
 @pytest.fixture
@@ -210,19 +214,23 @@ def test_an_input_can_be_set_at_an_impact(fmu):
     """The input is set in event mode, and in step mode just after the impact."""
     rows = []
     for mode in ("event", "step"):
-        one = Component(Library(fmu)).start()
-        _, needed, _, _, time = one.step(0.0, 2.0)
-        assert [needed, one.call("EnterEventMode")] == [True, OK]
+        instance = Component(Library(fmu)).start()
+        _, event_needed, _, _, time = instance.step(0.0, 2.0)
+        assert [event_needed, instance.call("EnterEventMode")] == [True, OK]
         if mode == "event":
-            assert one.set("joint[1].torque", 2.0) == OK
-        assert [one.update()[0], one.call("EnterStepMode")] == [OK, OK]
+            assert instance.set("joint[1].torque", 2.0) == OK
+        assert [instance.update()[0], instance.call("EnterStepMode")] == [OK, OK]
         if mode == "step":
-            assert one.set("joint[1].torque", 2.0) == OK
+            assert instance.set("joint[1].torque", 2.0) == OK
         while time < 2.0:
-            _, needed, _, _, time = one.step(time, 2.0 - time)
-            if needed:
-                assert [one.call("EnterEventMode"), one.update()[0], one.call("EnterStepMode")] == [OK] * 3
-        rows.append(one.get("point.position", "energy.supplied"))
+            _, event_needed, _, _, time = instance.step(time, 2.0 - time)
+            if event_needed:
+                assert [
+                    instance.call("EnterEventMode"),
+                    instance.update()[0],
+                    instance.call("EnterStepMode"),
+                ] == [OK] * 3
+        rows.append(instance.get("point.position", "energy.supplied"))
     assert abs(rows[0][-1]) > 0.1
     assert max(abs(a - b) for a, b in zip(*rows, strict=True)) < 1e-7
 
@@ -233,36 +241,38 @@ def test_an_input_can_be_set_at_an_impact(fmu):
 @calling3("four_link_box")
 def test_arrays_have_the_values_of_their_elements(fmu):
     library = Library(fmu)
-    one = Component(library, early_return=False).start()
-    one.step(0.0, 0.7)
+    instance = Component(library, early_return=False).start()
+    instance.step(0.0, 0.7)
 
     def elements(pattern, numbers, axes=("",)):
-        return [one.get(pattern.format(k, axis))[0] for k in numbers for axis in axes]
+        return [instance.get(pattern.format(k, axis))[0] for k in numbers for axis in axes]
 
     names = ("point.position", "impact.time", "contact.force")
     assert [library.shapes[name] for name in names] == [[5, 2], [8], [20]]
     for name, short in (("position", ""), ("velocity", "v"), ("acceleration", "a")):
-        assert one.get(f"point.{name}") == elements(f"point[{{}}].{short}{{}}", range(5), "xy")
-    assert one.get("link.angle") == elements("link[{}].angle", range(1, 5))
-    assert one.get("time", "point.position") == [0.7, *one.get("point.position")]
-    assert len(one.get("impact.wall", kind="Int64")) == 8
-    assert one.get("point.position", length=9) == ERROR
-    assert one.get("point.position", "time", length=12) == ERROR
+        assert instance.get(f"point.{name}") == elements(f"point[{{}}].{short}{{}}", range(5), "xy")
+    assert instance.get("link.angle") == elements("link[{}].angle", range(1, 5))
+    assert instance.get("time", "point.position") == [0.7, *instance.get("point.position")]
+    assert len(instance.get("impact.wall", kind="Int64")) == 8
+    assert instance.get("point.position", length=9) == ERROR
+    assert instance.get("point.position", "time", length=12) == ERROR
     reference = c_uint32(library.references["point.position"])
-    assert one.call("SetFloat64", byref(reference), c_size_t(1), (c_double * 10)(), c_size_t(10)) == ERROR
-    assert one.set("time", 1.0) == ERROR
-    few, many, _, independent = library.said()
-    assert few == "fmi3GetFloat64: the variables have 10 values, but 9 are given"
-    assert many == "fmi3GetFloat64: the variables have 11 values, but 12 are given"
+    assert (
+        instance.call("SetFloat64", byref(reference), c_size_t(1), (c_double * 10)(), c_size_t(10)) == ERROR
+    )
+    assert instance.set("time", 1.0) == ERROR
+    too_few, too_many, _, independent = library.new_messages()
+    assert too_few == "fmi3GetFloat64: the variables have 10 values, but 9 are given"
+    assert too_many == "fmi3GetFloat64: the variables have 11 values, but 12 are given"
     assert "time is the independent variable and cannot be set in step mode" in independent
 
 
 @calling3("rod_drop")
 def test_integers_have_64_bits(fmu):
     """Set an enumeration to a value that only 64 bits can hold."""
-    one = Component(Library(fmu))
-    assert one.set("contact.model", 2**33 + 1) == ERROR
-    assert "contact.model = 8589934593 must be one of 1 (hertz)" in one.library.said()[0]
+    instance = Component(Library(fmu))
+    assert instance.set("contact.model", 2**33 + 1) == ERROR
+    assert "contact.model = 8589934593 must be one of 1 (hertz)" in instance.library.new_messages()[0]
 
 
 @calling3("pinned_arm")
@@ -270,6 +280,6 @@ def test_the_time_can_be_read_in_every_state(fmu):
     for phase in PHASES:
         (time,) = Component(Library(fmu)).bring_to(phase).get("time")
         assert time == 0.0 or phase in ("step mode", "step failed", "terminated")
-    one = Component(Library(fmu))
-    one.enter(start=2.5)
-    assert one.get("time") == [2.5]
+    instance = Component(Library(fmu))
+    instance.enter(start=2.5)
+    assert instance.get("time") == [2.5]

@@ -57,7 +57,7 @@ def sanitized_kernel(folder, links):
 
 @pytest.fixture(scope="module")
 def printed(fuzzer, fmu):
-    """Return a function from a seed to what its run prints; each seed runs once."""
+    """Return a function: seed → output of its run; each seed runs once."""
     return cache(partial(run, fuzzer, fmu))
 
 
@@ -70,11 +70,11 @@ def fmu(native):
 
 
 def run(fuzzer, fmu, seed):
-    """Return what a run of random calls prints, which must end without a fault."""
+    """Run random calls, which must end without a fault; return the output."""
     command = [str(fuzzer), str(seed), str(SEQUENCES), str(CALLS), *fmu]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr[-3000:]
-    return done.stdout
+    process = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert process.returncode == 0, process.stdout + process.stderr[-3000:]
+    return process.stdout
 
 
 @pytest.mark.parametrize("seed", SEEDS)

@@ -21,7 +21,7 @@ class Plain:
 
 @pytest.mark.parametrize("base", [Loading, Plain])
 def test_an_instance_of_a_class_of_fmpy_stays_in_the_working_folder(base, tmp_path):
-    """Also where a version of fmpy does not change it: its class is then used as it is."""
+    """A class that does not change the working folder is used unchanged."""
     kind = type("FMU2Slave", (base,), {})
     folder = Path.cwd()
     still_kind = keep_working_folder(kind)

@@ -9,11 +9,11 @@ from tests.fmu.clean import importing
 from tests.fmu.importer import Instance
 from tests.fmu.scenes import scene_of
 
-# The functions without assertions run in the clean process, so they contain all their imports.
+# Functions for ``clean``, and the test with importing(), run in the clean process with their own imports.
 
 
 def driven(fmu, torques, period, steps):
-    """Run with torques at joints 1 and 2, constant in each period of some communication steps.
+    """Run with torques at joints 1 and 2, constant in each period of ``steps`` communication steps.
 
     Return the names of the outputs, and a row of values at the start and at the end of each period.
     """
@@ -46,10 +46,12 @@ def followed(fmu, targets, period):
 
     Return the names of the outputs, and a row of values at the end of each period.
     """
-    values = [{"joint[2].target_angle": one, "joint[2].target_velocity": other} for one, other in targets]
-    instance, rows = Instance(fmu).start(**values[0]), []
-    for k, given in enumerate(values):
-        instance.set(given)
+    targets_by_name = [
+        {"joint[2].target_angle": angle, "joint[2].target_velocity": velocity} for angle, velocity in targets
+    ]
+    instance, rows = Instance(fmu).start(**targets_by_name[0]), []
+    for k, values_of_period in enumerate(targets_by_name):
+        instance.set(values_of_period)
         instance.step((k + 1) * period)
         rows.append(instance.get(instance.outputs))
     return [[*instance.outputs], rows]
@@ -63,8 +65,8 @@ def test_targets_act_as_they_do_on_a_chain_in_python(fmus, clean):
     for k, (angle, velocity) in enumerate(targets):
         chain.set({"joint[2].target_angle": angle, "joint[2].target_velocity": velocity})
         chain.step_to(0.125 * (k + 1))
-        found = dict(zip(names, rows[k], strict=True))
-        assert [found[name] for name in motion] == chain.get(motion).tolist()
+        outputs = dict(zip(names, rows[k], strict=True))
+        assert [outputs[name] for name in motion] == chain.get(motion).tolist()
     assert abs(chain.get("joint[2].angular_velocity")) > 0.1
 
 
@@ -87,11 +89,11 @@ def moved(fmu, motions, period):
     Return the names of the outputs, their rows, and the rows of the second half again, from a saved state.
     """
     instance, rows = Instance(fmu).start(**motions[0]), []
-    state, again = None, []
-    for k, given in enumerate(motions):
+    state, repeated_rows = None, []
+    for k, motion in enumerate(motions):
         if k == len(motions) // 2:
             state = instance.fmu.getFMUstate()
-        instance.set(given)
+        instance.set(motion)
         instance.step((k + 1) * period)
         rows.append(instance.get(instance.outputs))
     instance.fmu.setFMUstate(state)
@@ -99,34 +101,36 @@ def moved(fmu, motions, period):
     for k in range(len(motions) // 2, len(motions)):
         instance.set(motions[k])
         instance.step((k + 1) * period)
-        again.append(instance.get(instance.outputs))
-    return [[*instance.outputs], rows, again]
+        repeated_rows.append(instance.get(instance.outputs))
+    return [[*instance.outputs], rows, repeated_rows]
 
 
 def test_a_base_and_walls_move_as_those_of_a_chain_in_python(fmus, clean):
     motions = [{name: float(value) for name, value in motion.items()} for motion in MOTIONS]
-    names, rows, again = clean(moved, fmus["moved_arm"], motions, 0.03125)
+    names, rows, repeated_rows = clean(moved, fmus["moved_arm"], motions, 0.03125)
     chain = Chain(scene_of("moved_arm"))
     chain.set(motions[0])
-    kept = [name for name in names if name.startswith(("point[", "link[", "energy.", "contact[", "wall."))]
-    for k, given in enumerate(motions):
-        chain.set(given)
+    compared_names = [
+        name for name in names if name.startswith(("point[", "link[", "energy.", "contact[", "wall."))
+    ]
+    for k, motion in enumerate(motions):
+        chain.set(motion)
         chain.step_to(0.03125 * (k + 1))
-        found = dict(zip(names, rows[k], strict=True))
-        assert [found[name] for name in kept] == chain.get(kept).tolist()
+        outputs = dict(zip(names, rows[k], strict=True))
+        assert [outputs[name] for name in compared_names] == chain.get(compared_names).tolist()
     assert abs(chain.get("point[0].x") - motions[-1]["base.x"]) < 0.01
     assert chain.get("impact.count") > 0
-    assert again == rows[len(rows) - len(again) :]
+    assert repeated_rows == rows[len(rows) - len(repeated_rows) :]
 
 
 @importing("pinned_arm")
 def test_setting_what_is_already_set_changes_nothing(fmu):
     """Set the same torque at every step or once, and a parameter to its present value."""
-    often, once = Instance(fmu).start(), Instance(fmu).start()
-    for instance in (often, once):
+    set_often, set_once = Instance(fmu).start(), Instance(fmu).start()
+    for instance in (set_often, set_once):
         instance.set({"joint[1].torque": 1.0})
     for i in range(500):
-        often.set({"joint[1].torque": 1.0, "contact.stiffness": often["contact.stiffness"]})
-        often.step((i + 1) * 2.0**-9)
-    once.step(500 * 2.0**-9)
-    assert often.get(often.outputs) == once.get(once.outputs)
+        set_often.set({"joint[1].torque": 1.0, "contact.stiffness": set_often["contact.stiffness"]})
+        set_often.step((i + 1) * 2.0**-9)
+    set_once.step(500 * 2.0**-9)
+    assert set_often.get(set_often.outputs) == set_once.get(set_once.outputs)

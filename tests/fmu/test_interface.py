@@ -21,7 +21,7 @@ from chain_impact.compilation.compilers import INCLUDES, interface_sources
 from chain_impact.system import HOST, PLATFORMS
 from tests.fmu.clean import calling
 from tests.fmu.interface import (
-    ALLOWED,
+    ALLOWED_PHASES,
     CO_SIMULATION,
     DISCARD,
     DO_STEP_STATUS,
@@ -89,7 +89,7 @@ def test_an_impossible_instance_is_refused_in_one_sentence(fmu):
         ((_, status, category, text),) = library.messages
         assert sentence in text
         assert (status, category in library.categories, library.blocks) == (ERROR, True, {}), sentence
-        library.said()
+        library.new_messages()
 
     def without(name):
         callbacks = Callbacks(*(getattr(library.callbacks, field) for field, _ in Callbacks._fields_[:3]))
@@ -112,8 +112,8 @@ def test_an_impossible_instance_is_refused_in_one_sentence(fmu):
     refused("file:///a%%25s%%25n##r1## has no file model.bin", location=b"file:///a%25s%25n#r1#")
     for name in ("allocate", "free"):
         refused("the callbacks allocateMemory and freeMemory are needed", callbacks=without(name))
-    changed = content[:5000] + bytes([content[5000] ^ 1]) + content[5001:]
-    for table in (b"", content[:-1], content[:150], b"x" * len(content), changed):
+    changed_table = content[:5000] + bytes([content[5000] ^ 1]) + content[5001:]
+    for table in (b"", content[:-1], content[:150], b"x" * len(content), changed_table):
         refused("has a file model.bin that is damaged", table)
     refused("needs more memory than there is", content[:8] + b"\xff" * 8 + content[16:])
     refused("needs more memory than there is", left=0)
@@ -139,22 +139,24 @@ def test_the_folder_of_the_resources_can_be_given_in_every_form(fmu):
 def test_only_what_is_wanted_is_logged(fmu):
     """Without debug logging only refusals are logged; in FMI 3.0 every error is logged."""
     library, error, discard = Library(fmu), "logStatusError", "logStatusDiscard"
-    for logging, setting, wanted in (
+    for logging, setting, is_logged in (
         (1, None, True), (0, None, True), (1, (0, []), False), (0, (1, []), True), (0, (1, [error]), True),
         (1, (1, [discard]), False), (0, (1, ["logAll"]), True), (1, (0, [error]), False),
         (1, (0, [discard]), True), (1, (0, ["logEvents"]), True), (1, (0, [None]), True),
     ):  # fmt: skip
-        one, said = Component(library, logging=logging), []
+        instance, expected = Component(library, logging=logging), []
         if setting:
             on, names = setting
             array = (c_char_p * len(names))(*(name and name.encode() for name in names))
-            status = one.call("fmi2SetDebugLogging", on, c_size_t(len(names)), array)
-            unknown = names in (["logEvents"], [None])
-            said = [f"fmi2SetDebugLogging: there is no category {names[0] or 'NULL'}"] if unknown else []
-            assert status == (ERROR if unknown else OK)
-        assert library.said() == said
-        one.step(0.0, 0.1)  # too early: an error
-        assert len(library.said()) == int(wanted or library.fmi3), setting
+            status = instance.call("fmi2SetDebugLogging", on, c_size_t(len(names)), array)
+            is_unknown = names in (["logEvents"], [None])
+            expected = (
+                [f"fmi2SetDebugLogging: there is no category {names[0] or 'NULL'}"] if is_unknown else []
+            )
+            assert status == (ERROR if is_unknown else OK)
+        assert library.new_messages() == expected
+        instance.step(0.0, 0.1)  # before initialization: an error
+        assert len(library.new_messages()) == int(is_logged or library.fmi3), setting
 
 
 @calling("rod_drop")
@@ -163,25 +165,27 @@ def test_null_pointers_are_refused(fmu):
     from standard import co_simulation_functions
 
     library = Library(fmu)
-    nobody, one = Component(library), Component(library).start()
+    nobody, instance = Component(library), Component(library).start()
     nobody.free()
     nobody.address = c_void_p()
     assert len(calls()) == len(co_simulation_functions()) - 4
-    some = c_size_t(3)
-    special = {"fmi2SetDebugLogging": [1, some, None]}
-    special["fmi2GetDirectionalDerivative"] = [None, some, None, some, None, None]
+    count = c_size_t(3)
+    special = {"fmi2SetDebugLogging": [1, count, None]}
+    special["fmi2GetDirectionalDerivative"] = [None, count, None, count, None, None]
     for name in calls().keys() - {"fmi2DoStep", "fmi2SetupExperiment"}:
-        usual = [0, None] if "Status" in name else [None] * 6 if "FMU" in name else [None, some, None, None]
-        pointers = special.get(name, usual)
+        arguments = (
+            [0, None] if "Status" in name else [None] * 6 if "FMU" in name else [None, count, None, None]
+        )
+        pointers = special.get(name, arguments)
         function = getattr(library.c, name)
         assert function(c_void_p(), *pointers) == ERROR, name
         if name not in ("fmi2Reset", "fmi2Terminate"):
-            library.said()
-            found = function(one.address, *pointers), len(library.said())
-            assert found == ((OK, 0) if name == "fmi2FreeFMUstate" else (ERROR, 1)), name  # 2.1.8
+            library.new_messages()
+            result = function(instance.address, *pointers), len(library.new_messages())
+            assert result == ((OK, 0) if name == "fmi2FreeFMUstate" else (ERROR, 1)), name  # 2.1.8
     assert [nobody.step(0.0, 1.0), nobody.setup()] == [ERROR, ERROR]
     library.c.fmi2FreeInstance(None)
-    assert one.step(0.0, 0.1) == OK
+    assert instance.step(0.0, 0.1) == OK
 
 
 # --- 4.2.4: which call when ------------------------------------------------------------------------------
@@ -191,10 +195,10 @@ def test_null_pointers_are_refused(fmu):
 def test_the_table_of_allowed_calls(fmu):
     library = Library(fmu)
     for phase, name, status, messages, unchanged in each_call(library, Component, calls(), PHASES):
-        allowed = phase in ALLOWED.get(name, PHASES)
-        assert (status != ERROR) == allowed, (phase, name, messages)
+        is_allowed = phase in ALLOWED_PHASES.get(name, PHASES)
+        assert (status != ERROR) == is_allowed, (phase, name, messages)
         assert len(messages) == (status != OK), (phase, name, messages)
-        assert allowed or unchanged, (phase, name)
+        assert is_allowed or unchanged, (phase, name)
     assert library.blocks == {}
 
 
@@ -203,22 +207,22 @@ def test_the_table_of_allowed_calls_but_for_the_limits_of_pythonfmu(fmu):
     """A failed step is fatal in pythonfmu's FMU; afterwards its instance may only be freed."""
     phases = [phase for phase in PHASES if phase != "step failed"]
     for phase, name, status, messages, unchanged in each_call(Library(fmu), Component, calls(), phases):
-        allowed = phase in ALLOWED.get(name, PHASES)
-        assert ((status < ERROR) == allowed) != (phase in LIMITS.get(name, ())), (phase, name, status)
+        is_allowed = phase in ALLOWED_PHASES.get(name, PHASES)
+        assert ((status < ERROR) == is_allowed) != (phase in LIMITS.get(name, ())), (phase, name, status)
         assert bool(messages) == (status != OK), (phase, name, messages)
-        assert allowed or unchanged, (phase, name)
+        assert is_allowed or unchanged, (phase, name)
 
 
 @calling("rod_drop", kinds="fmi2")
 def test_the_experiment_is_set_up_before_initialization(fmu):
     library = Library(fmu)
-    one = Component(library)
+    instance = Component(library)
     for _ in range(2):
-        assert one.call("fmi2EnterInitializationMode") == library.refusal
-        (text,) = library.said()
+        assert instance.call("fmi2EnterInitializationMode") == library.refusal
+        (text,) = library.new_messages()
         assert text.endswith("fmi2EnterInitializationMode cannot be called before fmi2SetupExperiment")
-        one.start().step(0.0, 0.5)
-        one.call("fmi2Reset")
+        instance.start().step(0.0, 0.5)
+        instance.call("fmi2Reset")
 
 
 # --- 2.1.7: variables ------------------------------------------------------------------------------------
@@ -233,18 +237,18 @@ def test_a_value_reference_behind_the_last_variable_is_refused(fmu):
     last = struct.unpack_from("<q", content, 64)[0] - 1
     content = content[:64] + struct.pack("<q", last) + content[72:]
     file.write_bytes(content[:16] + zlib.crc32(content[24:]).to_bytes(8, "little") + content[24:])
-    one = Component(library).start()
+    instance = Component(library).start()
     for element in ("Real", "Integer"):
-        assert one.call(f"fmi2Get{element}", byref(c_uint(last)), c_size_t(1), byref(value)) == ERROR
-        assert f"the value reference {last} is no " in library.said()[-1]
+        assert instance.call(f"fmi2Get{element}", byref(c_uint(last)), c_size_t(1), byref(value)) == ERROR
+        assert f"the value reference {last} is no " in library.new_messages()[-1]
 
 
 @calling("pinned_arm", kinds="fmus")
 def test_each_state_of_an_instance_lets_its_variables_be_set(fmu, target):
     """pythonfmu's FMU has only fatal errors, so the phase after a failed step does not exist."""
-    before, tunable = ("instantiated", "initialization mode"), "step complete"
-    when = {"box.x_max": before, "energy.total": ()}
-    when |= dict.fromkeys(("contact.restitution", "joint[1].torque"), (*before, tunable))
+    phases_before, tunable = ("instantiated", "initialization mode"), "step complete"
+    when = {"box.x_max": phases_before, "energy.total": ()}
+    when |= dict.fromkeys(("contact.restitution", "joint[1].torque"), (*phases_before, tunable))
     phases = [phase for phase in PHASES if target != "pythonfmu" or phase != "step failed"]
     library = Library(fmu)
     for phase in phases:
@@ -256,56 +260,55 @@ def test_each_state_of_an_instance_lets_its_variables_be_set(fmu, target):
 @calling("rod_drop", kinds="fmus")
 def test_several_values_are_set_together_or_not_at_all(fmu):
     library = Library(fmu)
-    one = Component(library).start()
-    one.step(0.0, 0.1)
-    before = one.serialized()
+    instance = Component(library).start()
+    instance.step(0.0, 0.1)
+    state = instance.serialized()
     names = ["contact.stiffness", "contact.restitution"]
     references = (c_uint * 3)(*(library.references[name] for name in names), 0)
     for second, third, count in ((2.0, 0.0, 2), (math.nan, 0.0, 2), (0.5, 1.0, 3)):
         values = (c_double * 3)(1e6, second, third)
-        assert one.call("fmi2SetReal", references, c_size_t(count), values) == library.refusal
-        assert len(library.said()) == 1
-        assert before == one.serialized()
+        assert instance.call("fmi2SetReal", references, c_size_t(count), values) == library.refusal
+        assert len(library.new_messages()) == 1
+        assert state == instance.serialized()
 
 
 @calling("sliding_rod", kinds="strict")
 def test_outputs_come_with_a_warning_where_what_was_set_cannot_act(fmu):
-    """The warning: a static friction below the kinetic friction."""
-    one = Component(Library(fmu)).start()
-    one.step(0.0, 0.3)
-    assert one.set_real("wall.y_min.static_friction", 0.01) == OK
-    reference = c_uint(one.library.references["energy.total"])
-    assert one.call("fmi2GetReal", byref(reference), c_size_t(1), byref(c_double())) == WARNING
+    """The static friction is below the kinetic friction."""
+    instance = Component(Library(fmu)).start()
+    instance.step(0.0, 0.3)
+    assert instance.set_real("wall.y_min.static_friction", 0.01) == OK
+    reference = c_uint(instance.library.references["energy.total"])
+    assert instance.call("fmi2GetReal", byref(reference), c_size_t(1), byref(c_double())) == WARNING
 
 
 @calling("rod_drop", kinds="fmi2")
 def test_a_count_that_is_too_large_is_the_largest_integer(fmu):
     """A state with a valid checksum holds a count that exceeds an fmi2Integer."""
-    one = Component(Library(fmu)).start()
-    one.step(0.0, 0.5)
-    data, steps, found = one.serialized(), one.integer("solver.steps"), set()
+    instance = Component(Library(fmu)).start()
+    instance.step(0.0, 0.5)
+    data, steps, counts = instance.serialized(), instance.integer("solver.steps"), set()
     for at in range(96, len(data), 8):
         if data[at : at + 8] == struct.pack("<q", steps):
             content = data[24:at] + struct.pack("<q", 2**40) + data[at + 8 :]
-            if one.restore(data[:16] + struct.pack("<Q", zlib.crc32(content)) + content) == OK:
-                found.add(one.integer("solver.steps"))
-    assert found - {steps} == {2**31 - 1}
+            if instance.restore(data[:16] + struct.pack("<Q", zlib.crc32(content)) + content) == OK:
+                counts.add(instance.integer("solver.steps"))
+    assert counts - {steps} == {2**31 - 1}
 
 
 # --- several instances -----------------------------------------------------------------------------------
 
 
 @calling("four_link_box", "rod_drop", kinds="strict")
-def test_fmus_do_not_mix_where_symbols_are_global(fmu, other):
-    """Load two FMUs whose symbols are global, and run an instance of each."""
+def test_fmus_do_not_mix_where_symbols_are_global(fmu, second_fmu):
 
     def run(library):
-        one = Component(library).start()
-        one.step(0.0, 0.5)
-        return one.outputs()
+        instance = Component(library).start()
+        instance.step(0.0, 0.5)
+        return instance.outputs()
 
-    shared = [run(Library(path, mode=ctypes.RTLD_GLOBAL)) for path in (fmu, other)]
-    assert shared == [run(Library(path)) for path in (fmu, other)]
+    shared = [run(Library(path, mode=ctypes.RTLD_GLOBAL)) for path in (fmu, second_fmu)]
+    assert shared == [run(Library(path)) for path in (fmu, second_fmu)]
     assert len(shared[0]) != len(shared[1])
 
 
@@ -317,8 +320,8 @@ def fates_of_tables(fmu):
 @pytest.mark.full("takes long")
 def test_no_number_in_the_table_does_harm(native, clean):
     """With a valid checksum, a wrong number is refused, or harmless."""
-    found, sizes = clean(fates_of_tables, native["rod_drop"], module="broken_tables")
-    assert found.pop("none") == 0
-    assert not {what: code for what, code in found.items() if code not in (0, 1)}
-    assert all(code == 1 for what, code in found.items() if what.startswith(tuple(sizes)))
-    assert sum(found.values()) > len(found) // 4
+    exit_codes, sizes = clean(fates_of_tables, native["rod_drop"], module="broken_tables")
+    assert exit_codes.pop("none") == 0
+    assert not {name: code for name, code in exit_codes.items() if code not in (0, 1)}
+    assert all(code == 1 for name, code in exit_codes.items() if name.startswith(tuple(sizes)))
+    assert sum(exit_codes.values()) > len(exit_codes) // 4

@@ -40,13 +40,13 @@ def foreign(tmp_path_factory):
     return str(folder / "Foreign.fmu")
 
 
-# The functions without assertions run in the clean process, so they contain all their imports.
+# Functions for ``clean``, and the test with importing(), run in the clean process with their own imports.
 
 
 def in_turns(fmus, lots):
-    """Run ``lots`` groups of instances, of which each has one of each FMU; those of a group run in turns.
+    """Run ``lots`` groups, each with an instance of each FMU, whose instances run in turns.
 
-    The other instances continue after the end of one. Return the rows of outputs by group and FMU.
+    Instance n of a group ends after 40 + 2 n steps, while later ones go on. Return outputs: group, FMU, step.
     """
     lives = []
     for _ in range(lots):
@@ -65,16 +65,16 @@ def in_turns(fmus, lots):
 @pytest.mark.parametrize("backwards", [False, True])
 def test_fmus_of_all_kinds_and_a_foreign_one_do_not_mix(all_fmus, foreign, clean, backwards):
     """Each FMU gives the same digits as alone in its own process."""
-    ours = [all_fmus[target][model] for model in ("rod_drop", "four_link_box") for target in all_fmus]
-    fmus = [*ours[:2], foreign, *ours[2:]]
+    own_fmus = [all_fmus[target][model] for model in ("rod_drop", "four_link_box") for target in all_fmus]
+    fmus = [*own_fmus[:2], foreign, *own_fmus[2:]]
     if backwards:
         fmus.reverse()
     first, second = clean(in_turns, fmus, 2)
     assert first == second
     for fmu, rows in zip(fmus, first, strict=True):
-        ((alone,),) = clean(in_turns, [fmu], 1)
-        assert rows[:40] == alone
-        assert alone[0] != alone[-1]
+        ((rows_alone,),) = clean(in_turns, [fmu], 1)
+        assert rows[:40] == rows_alone
+        assert rows_alone[0] != rows_alone[-1]
 
 
 def growth(fmu, warm_up, cycles):
@@ -88,16 +88,16 @@ def growth(fmu, warm_up, cycles):
         pages = Path("/proc/self/statm").read_text(encoding="ascii").split()[1]
         return int(pages) * resource.getpagesize() / 1024
 
-    one = Instance(fmu)
+    instance = Instance(fmu)
     for k in range(warm_up + cycles):
         if k == warm_up:
-            before = memory()
+            memory_before = memory()
         # the instance is freed while the binary stays loaded, as in common tools
-        one.fmu.fmi2FreeInstance(one.fmu.component)
-        one.fmu.instantiate(callbacks=CALLBACKS, loggingOn=True)
-        one.start().step(0.01)
-        one.fmu.terminate()
-    return (memory() - before) / cycles
+        instance.fmu.fmi2FreeInstance(instance.fmu.component)
+        instance.fmu.instantiate(callbacks=CALLBACKS, loggingOn=True)
+        instance.start().step(0.01)
+        instance.fmu.terminate()
+    return (memory() - memory_before) / cycles
 
 
 @pytest.mark.full("more cases", but="native")
@@ -107,12 +107,12 @@ def test_native_instances_leave_nothing_behind(strict, clean):
 
 @pytest.mark.full("takes long")
 def test_a_pythonfmu_instance_leaks_no_more_than_an_empty_slave(all_fmus, foreign, clean):
-    """pythonfmu's wrapper executes the script for every instance and never frees its code and names."""
-    ours = clean(growth, all_fmus["pythonfmu"]["rod_drop"], 200, 1000)
-    empty = clean(growth, foreign, 200, 1000)
-    assert ours < empty + 1.0
-    assert ours < 2.0  # kB; 49 kB would be left if the script contained the slave's class
-    assert empty > 3.0  # a value above 3 shows that the measure detects leaks
+    """pythonfmu's wrapper executes the script for every instance, and never frees its code and names."""
+    own_growth = clean(growth, all_fmus["pythonfmu"]["rod_drop"], 200, 1000)
+    foreign_growth = clean(growth, foreign, 200, 1000)
+    assert own_growth < foreign_growth + 1.0
+    assert own_growth < 2.0  # kB; 49 kB would be left if the script contained the slave's class
+    assert foreign_growth > 3.0  # a value above 3 shows that the measure detects leaks
 
 
 @importing("rod_drop")
@@ -126,12 +126,12 @@ def test_instances_in_threads_give_what_they_give_one_by_one(fmu):
     instances = [first, *(Instance(fmu, f"instance {n}", first.folder) for n in (1, 2, 3))]
 
     def lives(n):
-        one, rows = instances[n], []
+        instance, rows = instances[n], []
         for _ in range(3):
-            one.fmu.fmi2FreeInstance(one.fmu.component)
-            one.fmu.instantiate(callbacks=CALLBACKS, loggingOn=True)
-            one.start(**{"initial.y": 0.7 + 0.1 * n})
-            rows.append(one.run([0.005 * (i + 1) for i in range(200)]))
+            instance.fmu.fmi2FreeInstance(instance.fmu.component)
+            instance.fmu.instantiate(callbacks=CALLBACKS, loggingOn=True)
+            instance.start(**{"initial.y": 0.7 + 0.1 * n})
+            rows.append(instance.run([0.005 * (i + 1) for i in range(200)]))
         return rows
 
     with ThreadPoolExecutor(len(instances)) as pool:
@@ -151,10 +151,10 @@ def whole_scene(fmu, stop, step):
     import fmpy
 
     fmpy.read_model_description(fmu)  # load the modules that fmpy imports late
-    before = set(sys.modules)
+    modules_before = set(sys.modules)
     instance = Instance(fmu).start()
     rows = instance.run([i * step for i in range(round(stop / step) + 1)])
-    return [rows, sorted(set(sys.modules) - before)]
+    return [rows, sorted(set(sys.modules) - modules_before)]
 
 
 def state_of(fmu, data=None):
@@ -177,11 +177,11 @@ def test_a_state_goes_on_in_another_process(native, clean):
 
 @pytest.mark.full("takes long")
 def test_a_long_chain(tmp_path, clean):
-    """Run the kernel for any number of links."""
+    """A chain of 12 links has the kernel for any number of links."""
     scene = {"name": "Long", "chain": {"links": [{"length": 0.2, "mass": 0.3}] * 12}, "box": {"y_min": 0.0}}
     scene["initial"] = {"position": [0.1, 0.3], "angles": [0.01 * i for i in range(12)]}
     scene = scene_from_dict(scene, "long")
     fmus = [str(build_fmu(scene, tmp_path / kind, target=kind)) for kind in ("native", "pythonfmu")]
-    rows, others = (clean(whole_scene, fmu, 0.3, 1e-2)[0] for fmu in fmus)
-    assert rows == others
+    rows, rows_of_pythonfmu = (clean(whole_scene, fmu, 0.3, 1e-2)[0] for fmu in fmus)
+    assert rows == rows_of_pythonfmu
     assert rows[0] != rows[-1]

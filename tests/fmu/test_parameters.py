@@ -16,7 +16,7 @@ from tests.helpers.scenes.derived_scenes import FINGER, PARAMETER_CHANGES, edite
 STEP = 2.0**-7  # s; sums of this step are exact, so that all clocks are bit-equal
 STOPS = {"knee": 2.0, "thrown": 1.5, "finger": 0.75, "servo": 1.0, "led_cart": 1.0}  # s; 1 s for all others
 
-# The functions without assertions, and those for importing(), run in the clean process.
+# Functions for ``clean``, and tests with importing(), run in the clean process with their own imports.
 
 
 # --- parameters ------------------------------------------------------------------------------------------
@@ -61,26 +61,29 @@ def test_parameters_act_as_they_do_in_the_scene(fmus, clean, model, values):
     result = simulate(scene, stop, STEP)
     laws = {name: CONTACT_LAWS[law].number for name, law in values.items() if name == "contact.model"}
     names, rows = clean(trajectory, fmus[model], values | laws, stop, STEP)
-    found = dict(zip(names, np.transpose(rows), strict=True))
+    fmu_columns = dict(zip(names, np.transpose(rows), strict=True))
     # the FMU and the scene use the same machine code
     for name, column in result.prepared_scene.series(result.outputs).items():
-        np.testing.assert_array_equal(found[name], column, err_msg=name)
+        np.testing.assert_array_equal(fmu_columns[name], column, err_msg=name)
     for name in ("steps", "rejected_steps", "rhs_evaluations", "implicit_steps", "status"):
-        assert found[f"solver.{name}"][-1] == result.statistics[name]
+        assert fmu_columns[f"solver.{name}"][-1] == result.statistics[name]
     last = result.impacts[-1]
-    assert found["impact.count"][-1] == len(result.impacts)
-    shown = [found[f"impact.last_{name}"][-1] for name in ("time", "point", "wall", "speed")]
-    assert shown == [*last[["onset", "point"]], last["wall"] + 1, last["impact_speed"]]
+    assert fmu_columns["impact.count"][-1] == len(result.impacts)
+    last_impact = [fmu_columns[f"impact.last_{name}"][-1] for name in ("time", "point", "wall", "speed")]
+    assert last_impact == [*last[["onset", "point"]], last["wall"] + 1, last["impact_speed"]]
     if model == "thrown":
-        assert set(found["joint[2].sticking"]) == {0, 1}
-        assert found["energy.friction"][-1] > 0.1
+        assert set(fmu_columns["joint[2].sticking"]) == {0, 1}
+        assert fmu_columns["energy.friction"][-1] > 0.1
 
 
 def tuned(fmu, at, values, stop, step):
-    one = Instance(fmu).start()
-    one.run([step * i for i in range(1, round(at / step) + 1)])
-    one.set(values)
-    return [one.outputs, one.run([step * i for i in range(round(at / step) + 1, round(stop / step) + 1)])]
+    instance = Instance(fmu).start()
+    instance.run([step * i for i in range(1, round(at / step) + 1)])
+    instance.set(values)
+    return [
+        instance.outputs,
+        instance.run([step * i for i in range(round(at / step) + 1, round(stop / step) + 1)]),
+    ]
 
 
 @pytest.mark.full("more cases", but=["pythonfmu-knee", "pythonfmu-thrown"])
@@ -88,16 +91,16 @@ def tuned(fmu, at, values, stop, step):
 def test_tunable_parameters_can_be_set_between_steps(fmus, clean, model):
     (at, values), stop = TUNED[model], STOPS[model]
     names, rows = clean(tuned, fmus[model], at, values, stop, STEP)
-    chain, never = Chain(scene_of(model)), Chain(scene_of(model))
+    chain, unset_chain = Chain(scene_of(model)), Chain(scene_of(model))
     chain.step_to(at)
     chain.set(values)
     chain.step_to(stop)
-    never.step_to(stop)
-    found = dict(zip(names, np.transpose(rows), strict=True))
-    for name in found.keys() - {name for name in found if name.startswith("solver.")}:
-        assert found[name][-1] == chain.get(name), name
+    unset_chain.step_to(stop)
+    fmu_columns = dict(zip(names, np.transpose(rows), strict=True))
+    for name in fmu_columns.keys() - {name for name in fmu_columns if name.startswith("solver.")}:
+        assert fmu_columns[name][-1] == chain.get(name), name
     tip = f"point[{len(chain.scene.chain.links)}].x"
-    assert found[tip][-1] != never.get(tip)
+    assert fmu_columns[tip][-1] != unset_chain.get(tip)
 
 
 @importing("rod_drop")
@@ -106,14 +109,14 @@ def test_outputs_follow_parameters_in_initialization_mode(fmu, height):
     instance.fmu.setupExperiment(startTime=0.0)
     instance.fmu.enterInitializationMode()
     names = ["point[0].y", "energy.potential", "impact.last_point", "solver.status"]
-    before = instance.get(names)
+    values_before = instance.get(names)
     instance.set({"initial.y": 0.5})
-    after = instance.get(names)
+    values_after = instance.get(names)
     instance.fmu.exitInitializationMode()
-    assert before[0] == height
-    assert after == instance.get(names)
-    assert [after[0], *after[2:]] == [0.5, -1, 0]
-    assert abs(after[1] - before[1] - 0.5 * 9.81 * (after[0] - height)) < 1e-12
+    assert values_before[0] == height
+    assert values_after == instance.get(names)
+    assert [values_after[0], *values_after[2:]] == [0.5, -1, 0]
+    assert abs(values_after[1] - values_before[1] - 0.5 * 9.81 * (values_after[0] - height)) < 1e-12
 
 
 @pytest.fixture
@@ -132,71 +135,73 @@ def values_of(scene):
 
 
 def shown(fmu, changes, names, when):
-    """Return the parameters before any is set, the changed ones, and all after initialization and a reset."""
-    one = Instance(fmu)
-    told = [one.get(names)]
-    one.fmu.setupExperiment(startTime=0.0)
+    """Return values: all before any is set, of ``changes``, all after initialization, all after a reset."""
+    instance = Instance(fmu)
+    values = [instance.get(names)]
+    instance.fmu.setupExperiment(startTime=0.0)
     if when == "before":
-        one.set(changes)
-        if one.get(changes) != list(changes.values()):
-            raise AssertionError(one.get(changes))
-    one.fmu.enterInitializationMode()
+        instance.set(changes)
+        if instance.get(changes) != list(changes.values()):
+            raise AssertionError(instance.get(changes))
+    instance.fmu.enterInitializationMode()
     if when == "in":
-        one.set(changes)
-    told.append(one.get(changes))
-    one.fmu.exitInitializationMode()
-    told.append(one.get(names))
-    one.fmu.terminate()
-    one.fmu.reset()
-    told.append(one.get(names))
-    return told
+        instance.set(changes)
+    values.append(instance.get(changes))
+    instance.fmu.exitInitializationMode()
+    values.append(instance.get(names))
+    instance.fmu.terminate()
+    instance.fmu.reset()
+    values.append(instance.get(names))
+    return values
 
 
 @pytest.mark.full("more cases", but=4)
 @pytest.mark.parametrize("when", ["before", "in"])
 @pytest.mark.parametrize("changes", PARAMETER_CHANGES, ids=str)
 def test_the_value_in_use_is_shown(fmus, clean, changes, when):
-    start, given, in_use, again = clean(shown, fmus["finger"], changes, DERIVED, when)
-    assert start == again == values_of(finger())
-    assert given == list(changes.values())
+    start, set_values, in_use, after_reset = clean(shown, fmus["finger"], changes, DERIVED, when)
+    assert start == after_reset == values_of(finger())
+    assert set_values == list(changes.values())
     assert in_use == values_of(edited(FINGER, changes))
 
 
 @importing("finger")
 def test_a_derived_parameter_set_to_its_shown_value_keeps_it(fmu):
-    one, name = Instance(fmu), "link[1].inertia"
-    before = one[name]
-    one.set({name: before})
-    assert one.start(**{"link[1].length": 0.55})[name] == before
+    instance, name = Instance(fmu), "link[1].inertia"
+    inertia = instance[name]
+    instance.set({name: inertia})
+    assert instance.start(**{"link[1].length": 0.55})[name] == inertia
 
 
 def test_a_recording_has_the_parameters_in_use(fmus):
-    found = record_fmu(fmus["finger"], {"link[1].length": 0.55, "simulation.stop_time": 0.01})
-    assert [found.parameters[name] for name in DERIVED] == values_of(edited(FINGER, {"link[1].length": 0.55}))
-    assert "link[1].inertia" not in found.columns
-    found = record_fmu(fmus["knee"], {"link[2].joint_max": 2.5})
-    assert (found.stops[2].low, found.stops[2].high, found.stops[2].length) == (0.0, 2.5, 0.5)
-    first = found.impacts[0]
-    assert (first["point"], found.wall_names[first["wall"]]) == (2, "joint_min")
-    assert found.linear_impact_speeds[0] == 0.5 * first["impact_speed"]
+    recording = record_fmu(fmus["finger"], {"link[1].length": 0.55, "simulation.stop_time": 0.01})
+    assert [recording.parameters[name] for name in DERIVED] == values_of(
+        edited(FINGER, {"link[1].length": 0.55})
+    )
+    assert "link[1].inertia" not in recording.columns
+    recording = record_fmu(fmus["knee"], {"link[2].joint_max": 2.5})
+    assert (recording.stops[2].low, recording.stops[2].high, recording.stops[2].length) == (0.0, 2.5, 0.5)
+    first = recording.impacts[0]
+    assert (first["point"], recording.wall_names[first["wall"]]) == (2, "joint_min")
+    assert recording.linear_impact_speeds[0] == 0.5 * first["impact_speed"]
 
 
 def test_the_description_tells_what_is_derived(fmus):
-    found = {v.name: v.description for v in read_model_description(fmus["finger"]).modelVariables}
-    assert {name for name, text in found.items() if text and "; unless set: " in text} == set(DERIVED)
-    assert found["link[1].inertia"].endswith("; unless set: mass * length^2 / 12")
+    descriptions = {v.name: v.description for v in read_model_description(fmus["finger"]).modelVariables}
+    assert {name for name, text in descriptions.items() if text and "; unless set: " in text} == set(DERIVED)
+    assert descriptions["link[1].inertia"].endswith("; unless set: mass * length^2 / 12")
 
 
 @importing("four_link_box")
 def test_counts_and_codes_are_those_of_the_time_whatever_is_read_first(fmu):
-    codes = [*(f"impact[{k}].{what}" for k in (1, 2) for what in ("point", "wall")), "impact.count"]
+    codes = [*(f"impact[{k}].{key}" for k in (1, 2) for key in ("point", "wall")), "impact.count"]
     codes_first, reals_first = Instance(fmu).start(), Instance(fmu).start()
     for time in (0.3, 0.6, 0.9, 1.2):
         codes_first.step(time)
         reals_first.step(time)
-        found = codes_first.get(codes)
+        values = codes_first.get(codes)
         assert reals_first["energy.total"] == codes_first["energy.total"]
-        assert found == reals_first.get(codes)
+        assert values == reals_first.get(codes)
     assert codes_first["impact.count"] > 3
 
 
@@ -205,7 +210,6 @@ def test_counts_and_codes_are_those_of_the_time_whatever_is_read_first(fmu):
 
 @importing("four_link_box")
 def test_steps_of_any_size_from_any_start(fmu):
-    """Also test a start time that is not 0."""
     import random
 
     even, uneven = Instance(fmu).start(start_time=5.0), Instance(fmu).start(start_time=5.0)
@@ -213,8 +217,8 @@ def test_steps_of_any_size_from_any_start(fmu):
     while uneven.time < 6.0:
         uneven.step(min(6.0, uneven.time + chance.choice([1e-6, 1e-3, 0.03, 0.2])))
     even.step(6.0)
-    for one, other in zip(even.get(even.outputs), uneven.get(even.outputs), strict=True):
-        assert abs(one - other) <= 1e-9 * (1.0 + abs(one))
+    for even_value, uneven_value in zip(even.get(even.outputs), uneven.get(even.outputs), strict=True):
+        assert abs(even_value - uneven_value) <= 1e-9 * (1.0 + abs(even_value))
     assert 5.0 < even["impact.last_time"] < 6.0
 
 
@@ -231,16 +235,18 @@ def test_a_value_that_is_reset_leaves_no_trace(fmu):
     parameter = next(v.name for v in description.modelVariables if v.name.endswith(".restitution"))
     outputs = [output for output in description.outputs if not output.variable.dimensions]
     # no input acts at once on these outputs
-    held = [output.variable.name for output in outputs if not output.dependencies]
-    assert held
-    one, two = Instance(fmu).start(), Instance(fmu).start()
+    names = [output.variable.name for output in outputs if not output.dependencies]
+    assert names
+    instance_with_changes, plain_instance = Instance(fmu).start(), Instance(fmu).start()
     for k in range(1, 17):
-        for instance in (one, two):
+        for instance in (instance_with_changes, plain_instance):
             instance.step(k * 0.0625)
-        before = one.get(held)
-        one.set({"tip.force.x": 3.0, parameter: 0.6})
-        one.get(one.outputs)
-        one.set({parameter: two[parameter]})
-        assert one.get(held) == before
-        one.set({"tip.force.x": 0.0})
-        assert one.get(one.outputs) == two.get(two.outputs)
+        values = instance_with_changes.get(names)
+        instance_with_changes.set({"tip.force.x": 3.0, parameter: 0.6})
+        instance_with_changes.get(instance_with_changes.outputs)
+        instance_with_changes.set({parameter: plain_instance[parameter]})
+        assert instance_with_changes.get(names) == values
+        instance_with_changes.set({"tip.force.x": 0.0})
+        assert instance_with_changes.get(instance_with_changes.outputs) == plain_instance.get(
+            plain_instance.outputs
+        )

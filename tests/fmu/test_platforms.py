@@ -34,7 +34,7 @@ OF_THE_SYSTEM = {
     "darwin64": r"/usr/lib/libSystem\.B\.dylib",
     "aarch64-darwin": r"/usr/lib/libSystem\.B\.dylib",
 }
-MOST = 300e3  # bytes; limit of the compressed size of a platform
+LARGEST_SIZE = 300e3  # bytes; limit of the compressed size of a platform
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +45,7 @@ def fmu(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def fmu3(tmp_path_factory):
-    """Return an FMU of FMI 3.0 for the platforms that run on this machine, itself or emulated."""
+    """Return an FMU of FMI 3.0 for the platforms that run on this machine or in an emulator."""
     platforms = [HOST, "win64", "aarch64-linux"]
     folder = tmp_path_factory.mktemp("all3")
     return build_fmu("rod_drop", folder, target="native", fmi=3, platforms=list(dict.fromkeys(platforms)))
@@ -63,13 +63,13 @@ def binaries(fmu):
 def test_binaries_need_system_libraries_only_and_hold_no_local_path(binaries, platform):
     entry, data = binaries[platform]
     assert entry.filename == f"binaries/{platform}/RodDrop{PLATFORMS[platform].suffix}"
-    found = binary(data)
-    assert found.machine in (ARM if platform.startswith("aarch64") else X86)
-    assert found.libraries
-    assert [name for name in found.libraries if not re.fullmatch(OF_THE_SYSTEM[platform], name)] == []
-    assert found.offered >= set(co_simulation_functions())
-    assert not [name for name in found.needed if re.match(r"_?Py|NRT_|numba|chain_", name)]
-    assert entry.compress_size < MOST
+    library = binary(data)
+    assert library.machine in (ARM if platform.startswith("aarch64") else X86)
+    assert library.libraries
+    assert [name for name in library.libraries if not re.fullmatch(OF_THE_SYSTEM[platform], name)] == []
+    assert library.offered >= set(co_simulation_functions())
+    assert not [name for name in library.needed if re.match(r"_?Py|NRT_|numba|chain_", name)]
+    assert entry.compress_size < LARGEST_SIZE
     for folder in (Path.home(), Path(os.environ.get("TMPDIR", "/tmp")), INTERFACE.parents[3]):
         assert f"{folder}/".encode() not in data
 
@@ -86,9 +86,9 @@ def test_the_binary_for_apple_silicon_is_signed(binaries):
     """Apple silicon runs only signed code; the signature needs no identity."""
     data = binaries["aarch64-darwin"][1]
     assert signed_without_identity(data)
-    changed = bytearray(data)
-    changed[5000] ^= 1
-    assert not signed_without_identity(bytes(changed))
+    changed_data = bytearray(data)
+    changed_data[5000] ^= 1
+    assert not signed_without_identity(bytes(changed_data))
 
 
 # --- running them ----------------------------------------------------------------------------------------
@@ -113,15 +113,15 @@ def printed(machine, source, folder, *arguments):
     libraries = ["-ldl"] if "linux" in target else []
     headers = [f"-I{place}" for place in INCLUDES]
     zig(folder, "-target", target, *headers, source, *libraries, "-o", program)
-    done = subprocess.run(
+    process = subprocess.run(
         [*machine.emulator, program, *arguments],
         env={**os.environ, **machine.environment},
         capture_output=True,
         text=True,
         check=False,
     )
-    assert done.returncode == 0, done.stdout + done.stderr
-    return [[float(word) for word in line.split()] for line in done.stdout.splitlines()]
+    assert process.returncode == 0, process.stdout + process.stderr
+    return [[float(word) for word in line.split()] for line in process.stdout.splitlines()]
 
 
 def rows(fmu, machine, folder):
@@ -136,52 +136,52 @@ def rows(fmu, machine, folder):
 
 
 def events(fmu, machine, folder):
-    """Return the impacts and last positions that host3.c prints of the FMU for FMI 3.0 in event mode."""
+    """Return the impacts, shape (I, 3), and last positions, shape (4,), that host3.c prints in event mode."""
     place, root = unpacked(fmu, folder / "fmu3"), description(fmu)
     references = {node.get("name"): node.get("valueReference") for node in root.find("ModelVariables")}
-    one = PLATFORMS[machine.platform]
+    platform = PLATFORMS[machine.platform]
     arguments = [
-        machine.path(place / "binaries" / one.fmi3 / f"RodDrop{one.suffix}"),
+        machine.path(place / "binaries" / platform.fmi3 / f"RodDrop{platform.suffix}"),
         root.get("instantiationToken"),
         machine.path(place / "resources") + machine.path(Path("/"))[-1],
         *map(str, (STEP, STEPS * STEP)),
         *(references[name] for name in ("impact.last_time", "impact.count", "point.position")),
         "4",
     ]
-    *found, last = printed(machine, HOST3_PROGRAM, folder, *arguments)
-    return np.array(found), np.array(last)
+    *impacts, last = printed(machine, HOST3_PROGRAM, folder, *arguments)
+    return np.array(impacts), np.array(last)
 
 
 @pytest.fixture(scope="module")
-def here(fmu, fmu3, tmp_path_factory):
+def host_results(fmu, fmu3, tmp_path_factory):
     """Return the results of both hosts on this machine."""
     folder = tmp_path_factory.mktemp("here")
-    found, (impacts, last) = rows(fmu, Machine(HOST), folder), events(fmu3, Machine(HOST), folder)
-    assert found.shape == (STEPS, len(NAMES))
-    assert found[-1, 4] > 0.0
+    host_rows, (impacts, last) = rows(fmu, Machine(HOST), folder), events(fmu3, Machine(HOST), folder)
+    assert host_rows.shape == (STEPS, len(NAMES))
+    assert host_rows[-1, 4] > 0.0
     assert len(impacts) > 1
-    return found, impacts, last
+    return host_rows, impacts, last
 
 
-def assert_same(fmu, fmu3, machine, folder, here):
+def assert_same(fmu, fmu3, machine, folder, host_results):
     """Assert that both hosts on a machine give the same bits as on this one."""
-    found, impacts, last = here
-    np.testing.assert_array_equal(rows(fmu, machine, folder), found)
-    others, other_last = events(fmu3, machine, folder)
-    np.testing.assert_array_equal(others, impacts)
+    host_rows, impacts, last = host_results
+    np.testing.assert_array_equal(rows(fmu, machine, folder), host_rows)
+    other_impacts, other_last = events(fmu3, machine, folder)
+    np.testing.assert_array_equal(other_impacts, impacts)
     np.testing.assert_array_equal(other_last, last)
 
 
 @ON_ARM
-def test_an_fmu_runs_on_arm(fmu, fmu3, here, tmp_path):
+def test_an_fmu_runs_on_arm(fmu, fmu3, host_results, tmp_path):
     machine = Machine("aarch64-linux", QEMU)
-    assert_same(fmu, fmu3, machine, tmp_path, here)
+    assert_same(fmu, fmu3, machine, tmp_path, host_results)
 
 
 @pytest.mark.skipif(not shutil.which("wine"), reason="needs Debian's wine64")
-def test_an_fmu_runs_on_windows(fmu, fmu3, here, tmp_path):
+def test_an_fmu_runs_on_windows(fmu, fmu3, host_results, tmp_path):
     def path(file):
         return "Z:" + str(file).replace("/", "\\")
 
     settings = {"WINEPREFIX": str(tmp_path / "wine"), "WINEDEBUG": "-all", "DISPLAY": ""}
-    assert_same(fmu, fmu3, Machine("win64", ("wine",), settings, path), tmp_path, here)
+    assert_same(fmu, fmu3, Machine("win64", ("wine",), settings, path), tmp_path, host_results)

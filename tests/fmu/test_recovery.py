@@ -38,14 +38,14 @@ def table(record):
 
 def assert_recovered(record, impacts):
     """Assert equal onsets, points, walls and impact speeds, and all else within small errors."""
-    found = table(record)
-    assert len(found) == len(impacts)
+    recovered = table(record)
+    assert len(recovered) == len(impacts)
     for name in ("onset", "point", "wall", "impact_speed"):
-        np.testing.assert_array_equal(found[name], impacts[name], err_msg=name)
+        np.testing.assert_array_equal(recovered[name], impacts[name], err_msg=name)
     for name in ("end", "separation_speed"):
-        np.testing.assert_allclose(found[name], impacts[name], rtol=0, atol=1e-9, err_msg=name)
+        np.testing.assert_allclose(recovered[name], impacts[name], rtol=0, atol=1e-9, err_msg=name)
     for name in ("peak_force", "max_penetration", "impulse"):
-        np.testing.assert_allclose(found[name], impacts[name], rtol=1e-6, err_msg=name)
+        np.testing.assert_allclose(recovered[name], impacts[name], rtol=1e-6, err_msg=name)
 
 
 @pytest.mark.full("more cases", but=1)
@@ -61,8 +61,8 @@ def test_impacts_do_not_depend_on_the_communication_step(kind, tmp_path, clean, 
     scene = random_scene(seed).with_values({"outputs.impacts": 16})
     fmu = str(build_fmu(scene, tmp_path, **KINDS[kind]))
     records = [clean(recorded, fmu, stop / steps, False, stop) for steps in (1, 64, 1024)]
-    first, *others = ({name: column[-1] for name, column in record.items()} for record in records)
-    np.testing.assert_equal(others, [first, first])
+    first, *other_outputs = ({name: column[-1] for name, column in record.items()} for record in records)
+    np.testing.assert_equal(other_outputs, [first, first])
 
 
 @pytest.mark.full("more cases", but=3)

@@ -28,17 +28,21 @@ every_model = pytest.mark.parametrize("model", model_names())
 def table_of(path):
     """Return the table in an FMU: name → tolerance and values, both of which may be NaN."""
     with zipfile.ZipFile(path) as fmu:
-        names, allowed, *rows = csv.reader(io.StringIO(fmu.read(REFERENCE_FILE).decode()))
-    assert (names[0], allowed[0]) == ("time", "tolerance")
+        names, tolerances, *rows = csv.reader(io.StringIO(fmu.read(REFERENCE_FILE).decode()))
+    assert (names[0], tolerances[0]) == ("time", "tolerance")
     values = np.array([[cell or "nan" for cell in row] for row in rows], float)
     return dict(
-        zip(names, zip([0.0, *(float(x or "nan") for x in allowed[1:])], values.T, strict=True), strict=True)
+        zip(
+            names,
+            zip([0.0, *(float(x or "nan") for x in tolerances[1:])], values.T, strict=True),
+            strict=True,
+        )
     )
 
 
 @pytest.fixture
 def spoil(native, tmp_path):
-    """Change the table in the FMU of a model by a function on its text."""
+    """Return a function that changes the table of a model's FMU by a function of its text."""
     return lambda change, model="four_link_box": spoiled(
         native[model],
         tmp_path / "x.fmu",
@@ -46,7 +50,7 @@ def spoil(native, tmp_path):
     )
 
 
-# --- what is written -------------------------------------------------------------------------------------
+# --- the results in an FMU -------------------------------------------------------------------------------
 
 
 @pytest.mark.full("more cases", but=4)
@@ -64,26 +68,26 @@ def test_every_model_keeps_to_its_reference_which_is_small(fmus, model):
 def test_the_results_are_those_of_another_method_at_a_tight_tolerance(native, model):
     """The other method is the explicit one, with the reference's tolerance and its own steps."""
     columns = table_of(native[model])
-    exact = simulate(load_scene(model), tolerance=REFERENCE_TOLERANCE, method="explicit")
-    compared = [name for name in columns if name in exact.columns]
+    expected = simulate(load_scene(model), tolerance=REFERENCE_TOLERANCE, method="explicit")
+    compared = [name for name in columns if name in expected.columns]
     assert len(compared) > 8
-    here = ~np.isnan(columns["impact.count"][1])
-    times = columns["time"][1][here]
-    rows = np.searchsorted(exact.time, times - 1e-9)
+    has_row = ~np.isnan(columns["impact.count"][1])
+    times = columns["time"][1][has_row]
+    rows = np.searchsorted(expected.time, times - 1e-9)
     for name in compared:
-        # the FMU's own tolerance may use a tenth of the tolerated error
-        allowed, values = columns[name]
-        error = np.abs(exact.columns[name][rows] - values[here]).max()
-        assert error <= allowed / 5 + 1e-10, name
-    begun = [np.sum(exact.impacts["onset"] <= time) for time in times]
-    assert columns["impact.count"][1][here].tolist() == begun
+        # a tolerance is ten times the largest deviation of a run at the scene's own tolerance
+        tolerance, values = columns[name]
+        error = np.abs(expected.columns[name][rows] - values[has_row]).max()
+        assert error <= tolerance / 5 + 1e-10, name
+    begun = [np.sum(expected.impacts["onset"] <= time) for time in times]
+    assert columns["impact.count"][1][has_row].tolist() == begun
 
 
 @pytest.mark.full("takes long")
 def test_the_times_are_those_that_can_be_relied_on():
     """No time is close to the beginning or end of a contact; chaotic motion leaves 1 to 10 of 1000 s."""
     scene = load_scene("four_link_box")
-    usual, long, fine, coarse = (
+    usual_reference, long_reference, fine_reference, coarse_reference = (
         reference(PreparedScene(scene.with_values(changes)))
         for changes in (
             {},
@@ -93,15 +97,15 @@ def test_the_times_are_those_that_can_be_relied_on():
         )
     )
 
-    def compared(found):
-        return ~np.isnan(found.values).any(axis=1)
+    def compared(result):
+        return ~np.isnan(result.values).any(axis=1)
 
     impacts = simulate(scene).impacts
     edges = np.concatenate([impacts["onset"], impacts["end"]])
-    assert np.nanmin(np.abs(usual.times[compared(usual), None] - edges)) > 1e-6
-    assert 1.0 < long.times[-1] < 10.0
-    assert REFERENCE_ROWS / 10 < compared(long).sum() <= REFERENCE_ROWS + 1
-    assert coarse.times[-1] < fine.times[-1]
+    assert np.nanmin(np.abs(usual_reference.times[compared(usual_reference), None] - edges)) > 1e-6
+    assert 1.0 < long_reference.times[-1] < 10.0
+    assert REFERENCE_ROWS / 10 < compared(long_reference).sum() <= REFERENCE_ROWS + 1
+    assert coarse_reference.times[-1] < fine_reference.times[-1]
 
 
 def test_inputs_differ_from_each_other_and_act(native):
@@ -120,7 +124,7 @@ def test_a_scene_that_cannot_run_has_no_reference_and_that_is_said(tmp_path, cap
     assert check_references(path) is None
 
 
-# --- what is found ---------------------------------------------------------------------------------------
+# --- faults in the results -------------------------------------------------------------------------------
 
 
 def changed(name, row, value):
@@ -149,11 +153,11 @@ def test_a_result_that_is_left_out_is_not_compared(spoil):
 def test_another_model_is_found(native, tmp_path):
     """The FMU of a softer wall with the stiff wall's results fails soon after the first impact."""
     soft = load_scene("four_link_box").with_values({"contact.stiffness": 0.99e8})
-    with zipfile.ZipFile(native["four_link_box"]) as right:
+    with zipfile.ZipFile(native["four_link_box"]) as source_zip:
         path = spoiled(
             build_fmu(soft, tmp_path, target="native"),
             tmp_path / "x.fmu",
-            lambda name, content: right.read(name) if name == REFERENCE_FILE else content,
+            lambda name, content: source_zip.read(name) if name == REFERENCE_FILE else content,
         )
     passed, text = check_references(path)
     assert not passed

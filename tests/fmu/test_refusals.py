@@ -10,7 +10,7 @@ from tests.fmu.importer import MESSAGES, FMICallException, Instance, refused
 
 RIGID = CONTACT_LAWS["newton_impact"].number
 
-# The functions without assertions, and those for importing(), run in the clean process.
+# Tests with importing() run in the clean process.
 
 
 RANGES = [
@@ -64,9 +64,13 @@ def test_calls_out_of_order_are_refused(fmu, target):
         return lambda i: i.set({name: value})
 
     law = Instance(fmu).variables["contact.model"].valueReference
-    again = "fmi2EnterInitializationMode cannot be called after initialization"
+    repeated_initialization = "fmi2EnterInitializationMode cannot be called after initialization"
     # FMI 3.0 sets the experiment up on entering initialization mode
-    twice = again if target == "fmi3" else "fmi2SetupExperiment cannot be called after initialization"
+    repeated_setup = (
+        repeated_initialization
+        if target == "fmi3"
+        else "fmi2SetupExperiment cannot be called after initialization"
+    )
     for calls, text in (
         ([step(0.0, 0.1)], "fmi2DoStep cannot be called before initialization"),
         ([enter, step(0.0, 0.1)], "fmi2DoStep cannot be called in initialization mode"),
@@ -77,8 +81,8 @@ def test_calls_out_of_order_are_refused(fmu, target):
         ([start, step(float("nan"), 0.1)], "fmi2DoStep: the time nan s is not the present 0.0 s"),
         ([start, step(0.0, 1.1)], "fmi2DoStep: 1.1 s lies beyond the stop time 1.0 s"),
         ([start, end, step(0.0, 0.1)], "fmi2DoStep cannot be called after terminate"),
-        ([start, start], twice),
-        ([start, initialize], again),
+        ([start, start], repeated_setup),
+        ([start, initialize], repeated_initialization),
         ([exit_it], "fmi2ExitInitializationMode cannot be called before initialization"),
         ([lambda i: i.start(2.0, 1.0)], "fmi2SetupExperiment: start time 2.0 s, stop time 1.0 s"),
         ([start, setting("box.y_min", -1.0)], "box.y_min is a fixed parameter and cannot be set after init"),
@@ -96,7 +100,7 @@ def test_calls_out_of_order_are_refused(fmu, target):
 
 @pytest.mark.full("more cases", but=3)
 @pytest.mark.parametrize(
-    ("model", "changes", "said"),
+    ("model", "changes", "reason"),
     [
         ("rod_drop", {"initial.y": -1.0}, "beyond a wall, or a joint or slider beyond a stop: point 0"),
         ("rod_drop", {"contact.restitution": 0.0}, "not allow this restitution: point 0 at the wall y_min"),
@@ -110,12 +114,12 @@ def test_calls_out_of_order_are_refused(fmu, target):
     ],
 )
 @importing()
-def test_a_start_that_is_refused_is_told_with_its_place_and_can_be_mended(fmu, changes, said):
+def test_a_start_that_is_refused_is_told_with_its_place_and_can_be_mended(fmu, changes, reason):
     import contextlib
 
-    text = refused(fmu, lambda one: one.start(**changes))
+    text = refused(fmu, lambda i: i.start(**changes))
     assert "the simulation cannot start: " in text
-    assert said in text
+    assert reason in text
     instance, plain = Instance(fmu), Instance(fmu).start()
     with contextlib.suppress(FMICallException):
         instance.start(**changes)
@@ -133,48 +137,48 @@ def test_a_law_that_cannot_go_on_is_told_with_the_time(fmu):
         instance.step(0.2578125)
         instance.set({"contact.restitution": 0.0})
 
-    said = refused(fmu, set_late, lambda i: i.step(0.5))
-    assert "stopped at t = 0.2578125 s: the contact law does not allow this restitution" in said
+    message = refused(fmu, set_late, lambda i: i.step(0.5))
+    assert "stopped at t = 0.2578125 s: the contact law does not allow this restitution" in message
 
 
 @importing("sliding_rod")
 def test_static_friction_below_that_of_sliding_is_refused_during_a_run(fmu):
-    def later(one):
-        one.start()
-        one.step(0.3)
-        one.set({"wall.y_min.static_friction": 0.01})
-        one.get(["energy.total"])
-        one.step(0.6)
+    def later(instance):
+        instance.start()
+        instance.step(0.3)
+        instance.set({"wall.y_min.static_friction": 0.01})
+        instance.get(["energy.total"])
+        instance.step(0.6)
 
-    said = refused(fmu, later)
-    assert "the values that are set cannot take effect: static_friction is below friction" in said
-    assert "the simulation stopped at t = 0.3 s: static_friction is below friction" in said
-    assert said.count("point 0 at the wall y_min") == 2
+    messages = refused(fmu, later)
+    assert "the values that are set cannot take effect: static_friction is below friction" in messages
+    assert "the simulation stopped at t = 0.3 s: static_friction is below friction" in messages
+    assert messages.count("point 0 at the wall y_min") == 2
 
 
 @importing("rod_drop")
-def test_reading_an_output_says_that_what_was_set_cannot_act(fmu, within):
+def test_reading_an_output_says_that_what_was_set_cannot_act(fmu, contact):
     """The set value stops the solver; another value may still be set."""
-    time, law, rigid = within
-    one, seen = Instance(fmu).start(), []
-    one.step(time)
+    time, law, rigid = contact
+    instance, energies = Instance(fmu).start(), []
+    instance.step(time)
     for number in (law, rigid, law):
-        one.set({"contact.model": number})
+        instance.set({"contact.model": number})
         MESSAGES.clear()
-        seen += [one["energy.total"], one["energy.total"]]
+        energies += [instance["energy.total"], instance["energy.total"]]
         for text in MESSAGES:
             assert (
                 "the values that are set cannot take effect: contact.model can change to newton_impact only"
                 in text
             )
         assert len(MESSAGES) == (2 if number == rigid else 0)
-    assert max(abs(energy / seen[0] - 1.0) for energy in seen) < 1e-12
-    one.step(time + 0.01)
-    assert one["solver.status"] == 0
+    assert max(abs(energy / energies[0] - 1.0) for energy in energies) < 1e-12
+    instance.step(time + 0.01)
+    assert instance["solver.status"] == 0
 
 
 @pytest.fixture
-def within():
+def contact():
     """Return a time in the first contact of the rod, its contact law and the rigid law."""
     result = simulate("rod_drop")
     first, law = result.impacts[0], CONTACT_LAWS[result.scene.contact.model].number
@@ -199,6 +203,6 @@ def test_the_command_line_shows_why_a_native_fmu_cannot_start_or_go_on(native, c
     assert cli.main(["simulate", native["rod_drop"], "--set", "initial.y=-1"]) == 3
     assert "the simulation cannot start: a contact point starts beyond a wall" in capsys.readouterr().err
     assert cli.main(["simulate", native["four_link_box"], "--set", "solver.work_limit=2000"]) == 3
-    said = capsys.readouterr()
-    assert "a second of simulated time takes more evaluations than solver.work_limit allows" in said.err
-    assert "FourLinkBox" in said.out
+    output = capsys.readouterr()
+    assert "a second of simulated time takes more evaluations than solver.work_limit allows" in output.err
+    assert "FourLinkBox" in output.out

@@ -25,7 +25,7 @@ ROOT = Path(__file__).parents[2]
 # the models use a contact law with vectorised division, rigid walls, dry friction, and the general kernel
 MODELS = ["four_link_box", "kneed_leg", "sliding_rod", "triple_pendulum"]
 WAYS = 16  # traps on or off, denormal numbers on or off, four rounding modes
-USUAL = "1f80"
+USUAL_REGISTERS = "1f80"
 STACK = 64  # KiB, of the thread in which the host calls the FMU
 STEPS = 300  # number of steps of 1/512 s
 
@@ -55,9 +55,9 @@ def ways(request, strict, hosts):
     ]
     command = [hosts / f"fmi{version}", binary.c._name, binary.guid.decode(), location, STACK, STEPS]
     command += [binary.references["gravity.x"], *outputs]
-    done = subprocess.run([*map(str, command)], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, (done.returncode, done.stderr)
-    lines = [line.split() for line in done.stdout.splitlines()]
+    process = subprocess.run([*map(str, command)], capture_output=True, text=True, check=False)
+    assert process.returncode == 0, (process.returncode, process.stderr)
+    lines = [line.split() for line in process.stdout.splitlines()]
     return {registers: (int(stack), values) for registers, stack, *values in lines}
 
 
@@ -65,26 +65,28 @@ def ways(request, strict, hosts):
 def test_the_bits_are_the_same_whatever_a_host_has_set(ways):
     """The program ends with an error if a call changes the registers, and by a signal if a trap acts."""
     assert len(ways) == WAYS
-    _, usual = ways[USUAL]
-    assert len(set(usual)) > STEPS
+    _, expected = ways[USUAL_REGISTERS]
+    assert len(set(expected)) > STEPS
     for registers, (_, values) in ways.items():
-        assert values == usual, registers
+        assert values == expected, registers
 
 
 @needs_compilers
 def test_the_stack_of_a_thread_that_the_docs_tell_is_enough(ways):
-    (told,) = re.findall(r"a stack of (\d+) KiB", (ROOT / "docs" / "fmi.md").read_text(encoding="utf-8"))
-    assert max(stack for stack, _ in ways.values()) < 1024 * int(told)
+    (stack_size,) = re.findall(
+        r"a stack of (\d+) KiB", (ROOT / "docs" / "fmi.md").read_text(encoding="utf-8")
+    )
+    assert max(stack for stack, _ in ways.values()) < 1024 * int(stack_size)
 
 
-# The function before the test runs in the clean process, so it contains all its imports.
+# rows_with runs in the clean process, with its own imports.
 
 
 def rows_with(fmu, library, ways, step, steps):
-    """Return the outputs with the registers in each way; the steps are sums that are not rounded."""
+    """Return the rows of outputs for each setting of the registers; times are exact multiples of the step."""
     import ctypes
 
-    library, usual, rows = ctypes.CDLL(library), ways[0], []
+    library, usual_setting, rows = ctypes.CDLL(library), ways[0], []
     for way in ways:
         instance = Instance(fmu).start()
         library.set_registers(way)
@@ -92,7 +94,7 @@ def rows_with(fmu, library, ways, step, steps):
             rows.append(instance.run([i * step for i in range(1, steps + 1)]))
             left = library.registers() & ~0x3F
         finally:
-            library.set_registers(usual)
+            library.set_registers(usual_setting)
         if left != way:
             raise RuntimeError(f"registers {way:x} are {left:x} after the run")
     return rows
@@ -102,6 +104,6 @@ def rows_with(fmu, library, ways, step, steps):
 def test_an_fmu_in_a_host_in_python_gives_the_same_bits(fmus, clean, tmp_path):
     library = make_library(tmp_path)
     ways = [*WITHOUT_TRAPS, TRAPS]
-    usual, *others = clean(rows_with, fmus["four_link_box"], str(library), ways, 1 / 512, STEPS)
-    assert len(usual) == STEPS
-    assert others == [usual] * len(ways[1:])
+    expected, *results = clean(rows_with, fmus["four_link_box"], str(library), ways, 1 / 512, STEPS)
+    assert len(expected) == STEPS
+    assert results == [expected] * len(ways[1:])

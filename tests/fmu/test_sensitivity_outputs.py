@@ -15,12 +15,12 @@ from tests.fmu.scenes import KINDS, scene_of
 
 pytestmark = pytest.mark.full("takes long")
 
-ASKED = [
+PAIRS = [
     ("point[4].x", "contact.stiffness"),
     ("energy.total", "contact.restitution"),
     ("link[2].angular_velocity", "initial.angle[3]"),
 ]
-NAMES = [sensitivity_name(*pair) for pair in ASKED]
+NAMES = [sensitivity_name(*pair) for pair in PAIRS]
 
 
 @pytest.fixture
@@ -30,79 +30,79 @@ def names():
 
 def stepped(fmu, names, times, values):
     """Return the outputs at the start and at some times, from the clean process."""
-    one = Instance(fmu).start(**values)
-    return [one.get(names), *one.run(times, names)]
+    instance = Instance(fmu).start(**values)
+    return [instance.get(names), *instance.run(times, names)]
 
 
 @pytest.mark.parametrize(
-    ("model", "asked", "values"),
+    ("model", "pairs", "values"),
     [
-        ("derivatives", ASKED, {}),
-        ("derivatives", ASKED, {"contact.restitution": 0.5, "link[2].mass": 0.9}),
+        ("derivatives", PAIRS, {}),
+        ("derivatives", PAIRS, {"contact.restitution": 0.5, "link[2].mass": 0.9}),
         # joints slide and stick in this model
         ("dry_derivatives", [("point[4].x", f"link[{i}].joint_friction") for i in (1, 3)], {}),
     ],
 )
-def test_outputs_of_derivatives_are_those_of_simulate(fmus, clean, model, asked, values):
+def test_outputs_of_derivatives_are_those_of_simulate(fmus, clean, model, pairs, values):
     scene = scene_of(model).with_values(values)
     stop = 0.8 if model == "derivatives" else scene.simulation.stop_time  # s, with three impacts
     result = simulate(scene, stop, output_step=0.05)
     times = [float(time) for time in result.time[1:]]
-    found = clean(stepped, fmus[model], [sensitivity_name(*pair) for pair in asked], times, values)
+    rows = clean(stepped, fmus[model], [sensitivity_name(*pair) for pair in pairs], times, values)
     assert model != "derivatives" or len(result.impacts) == 3
-    for column, pair in enumerate(asked):
+    for column, pair in enumerate(pairs):
         expected = result.sensitivity(*pair)
-        assert [row[column] for row in found] == pytest.approx(list(expected), rel=1e-12, abs=1e-14)
+        assert [row[column] for row in rows] == pytest.approx(list(expected), rel=1e-12, abs=1e-14)
         assert any(expected)
 
 
 @importing("derivatives")
 def test_a_state_holds_them(fmu, names):
-    one, two = Instance(fmu).start(), Instance(fmu)
-    one.step(0.4)
-    state = one.fmu.getFMUstate()
-    data = one.fmu.serializeFMUstate(state)
+    first, second = Instance(fmu).start(), Instance(fmu)
+    first.step(0.4)
+    state = first.fmu.getFMUstate()
+    data = first.fmu.serializeFMUstate(state)
 
     def go_on(instance):
         instance.time = 0.4
         return [instance.get(names), *instance.run([0.45, 0.5, 0.6, 0.8], names)]
 
-    first = go_on(one)
-    one.fmu.setFMUstate(state)
-    two.fmu.setFMUstate(two.fmu.deSerializeFMUstate(data))
-    assert first == go_on(one) == go_on(two)
+    outputs = go_on(first)
+    first.fmu.setFMUstate(state)
+    second.fmu.setFMUstate(second.fmu.deSerializeFMUstate(data))
+    assert outputs == go_on(first) == go_on(second)
 
 
 @importing("derivatives")
 def test_a_parameter_that_is_tuned_has_derivatives_of_its_new_value(fmu, names):
     """No wall is touched before 0.4 s, so a value set then acts like a value set at the start."""
-    tuned, given = Instance(fmu).start(), Instance(fmu).start(**{"contact.restitution": 0.55})
-    for one in (tuned, given):
-        one.step(0.4)
-        one.set({"contact.restitution": 0.55})
-        one.step(0.8)
-    for found, expected in zip(tuned.get(names), given.get(names), strict=True):
-        assert abs(found - expected) <= 1e-6 * abs(expected)
+    tuned, started = Instance(fmu).start(), Instance(fmu).start(**{"contact.restitution": 0.55})
+    for instance in (tuned, started):
+        instance.step(0.4)
+        instance.set({"contact.restitution": 0.55})
+        instance.step(0.8)
+    for derivative, expected in zip(tuned.get(names), started.get(names), strict=True):
+        assert abs(derivative - expected) <= 1e-6 * abs(expected)
 
 
 @importing("flat_derivatives")
 def test_derivatives_that_cannot_be_trusted_are_nan(fmu):
     """All points of a horizontal chain arrive at a rigid floor at the same moment."""
-    one = Instance(fmu).start()
-    (name,) = (name for name in one.outputs if name.endswith("restitution.point[0].vy"))
-    one.step(0.01)
-    assert one[name] == 0.0
-    one.step(2.0)
-    assert one[name] != one[name]
+    instance = Instance(fmu).start()
+    (name,) = (name for name in instance.outputs if name.endswith("restitution.point[0].vy"))
+    instance.step(0.01)
+    assert instance[name] == 0.0
+    instance.step(2.0)
+    assert instance[name] != instance[name]
 
 
 def test_units_and_descriptions(fmus):
     description = fmpy.read_model_description(fmus["derivatives"])
-    found = {variable.name: variable for variable in description.modelVariables}
-    variable = found[sensitivity_name("point[4].x", "contact.restitution")]
+    variables = {variable.name: variable for variable in description.modelVariables}
+    variable = variables[sensitivity_name("point[4].x", "contact.restitution")]
     assert (variable.causality, variable.unit) == ("output", "m")
     assert variable.description == "derivative of point[4].x with respect to contact.restitution"
-    assert found[sensitivity_name("energy.total", "initial.angle[2]")].unit == "J/(rad)"
+    assert variables[sensitivity_name("energy.total", "initial.angle[2]")].unit == "J/(rad)"
     base = {unit.name: unit for unit in description.unitDefinitions}["J/(rad)"].baseUnit
     assert (base.kg, base.m, base.s, base.rad) == (1, 2, -2, -1)
 

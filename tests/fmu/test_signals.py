@@ -27,13 +27,13 @@ def test_an_fmu_drives_itself_to_the_bit_whatever_the_communication_step(tmp_pat
     fmu = build_fmu(scene, tmp_path / "fmu", **kind)
     run, names = simulate(scene), ["link[2].angle", "base.vy", TORQUE]
     for step in (0.01, 0.003):
-        found = fmpy.simulate_fmu(str(fmu), stop_time=0.6, step_size=step, output_interval=step, output=names)
-        assert [found[name][-1] for name in names] == [run[name][-1] for name in names]
-    changed = {"signal.shake.amplitude": 0.02}
-    found = fmpy.simulate_fmu(
-        str(fmu), stop_time=0.6, output_interval=0.01, output=names, start_values=changed
+        rows = fmpy.simulate_fmu(str(fmu), stop_time=0.6, step_size=step, output_interval=step, output=names)
+        assert [rows[name][-1] for name in names] == [run[name][-1] for name in names]
+    changes = {"signal.shake.amplitude": 0.02}
+    rows = fmpy.simulate_fmu(
+        str(fmu), stop_time=0.6, output_interval=0.01, output=names, start_values=changes
     )
-    assert found[names[0]][-1] == simulate(scene.with_values(changed))[names[0]][-1]
+    assert rows[names[0]][-1] == simulate(scene.with_values(changes))[names[0]][-1]
     with zipfile.ZipFile(fmu) as files:
         assert not [name for name in files.namelist() if str(tmp_path).encode() in files.read(name)]
 
@@ -43,7 +43,7 @@ def test_a_table_drives_an_fmu_as_it_drives_the_scene(tmp_path, capsys):
     scene, table = parse_scene(ARM, "arm.toml"), tmp_path / "drive.csv"
     fmu = build_fmu(scene, tmp_path)
     late = {}
-    for name, interpolation, step, allowed in (
+    for name, interpolation, step, tolerance in (
         ("tip.force.x", None, 0.01, 1e-7),
         ("base.vy", "linear", 0.01, 1e-7),
         ("base.y", "spline", 0.001, 1e-6),
@@ -51,11 +51,11 @@ def test_a_table_drives_an_fmu_as_it_drives_the_scene(tmp_path, capsys):
         ("joint[2].target_angle", "linear", 0.005, 0.025),
     ):
         table.write_text(f"time,{name}\n0.0,0.0\n0.103,0.3\n0.3,-0.15\n0.6,0.1\n")
-        found = record_fmu(fmu, {"simulation.step_size": step}, inputs=(table, interpolation))
+        recording = record_fmu(fmu, {"simulation.step_size": step}, inputs=(table, interpolation))
         run = simulate(with_inputs(scene, table, interpolation))
-        angles = np.interp(run.time, found.time, found.columns["link[2].angle"])
+        angles = np.interp(run.time, recording.time, recording.columns["link[2].angle"])
         late[step, name] = np.abs(angles - run["link[2].angle"]).max()
-        assert late[step, name] < allowed, name
+        assert late[step, name] < tolerance, name
     assert late[0.005, name] == pytest.approx(0.5 * late[0.01, name], rel=0.1)
     assert "arning" not in "".join(capsys.readouterr())
     table.write_text("time,base.y\n0.0,0.0\n0.3,0.1\n")

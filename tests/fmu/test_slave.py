@@ -25,7 +25,7 @@ from tests.helpers.tools.planted_faults import spoiled
 from tests.helpers.tools.zig import zig
 
 in_python = {"kinds": "pythonfmu"}
-HERE = Path(__file__).parent
+FOLDER = Path(__file__).parent
 
 
 @pytest.fixture
@@ -43,8 +43,8 @@ def test_the_fmu_has_only_needed_files_and_a_script_for_its_values(path, tmp_pat
     expected |= {REFERENCE_FILE, SCENE_DATA_FILE, "model.png"}
     expected |= {"documentation/index.html", "documentation/licenses/license.txt"}
     assert set(rest) == expected | {"modelDescription.xml", "binaries/linux64/RodDrop.so", script, slave}
-    other = build_fmu(load_scene("rod_drop").with_values({"contact.stiffness": 2e8}), tmp_path)
-    assert not {script, slave} & set(zipfile.ZipFile(other).namelist())
+    other_fmu = build_fmu(load_scene("rod_drop").with_values({"contact.stiffness": 2e8}), tmp_path)
+    assert not {script, slave} & set(zipfile.ZipFile(other_fmu).namelist())
 
 
 def test_the_slave_imports_the_standard_library_and_pythonfmu_only():
@@ -76,14 +76,16 @@ def test_the_slave_needs_the_standard_library_only(fmu):
     import fmpy
 
     fmpy.read_model_description(fmu)  # load the modules that fmpy imports late
-    before = set(sys.modules)
+    modules_before = set(sys.modules)
     instance = Instance(fmu).start()
     instance.step(0.25)
     instance.get(instance.outputs)
-    modules = set(sys.modules) - before
-    own = {name for name in modules if name.startswith("chain_impact")}
-    assert len(own) == 2
-    assert {name.partition(".")[0] for name in modules - own} <= sys.stdlib_module_names | {"pythonfmu"}
+    modules = set(sys.modules) - modules_before
+    own_modules = {name for name in modules if name.startswith("chain_impact")}
+    assert len(own_modules) == 2
+    assert {name.partition(".")[0] for name in modules - own_modules} <= sys.stdlib_module_names | {
+        "pythonfmu"
+    }
     assert instance["solver.steps"] > 0
 
 
@@ -107,35 +109,35 @@ def test_an_instance_can_be_freed_after_a_fault(fmu):
     ]
     for call in calls:
         refused(fmu, call)
-    before = references()
+    count_before = references()
     for call in 4 * calls:
         refused(fmu, call)
     # the wrapper keeps one reference for each instance, with or without a fault
-    assert references() - before == 20
+    assert references() - count_before == 20
 
 
 def raised(fmu, values):
-    """Return the text of fmpy's exception, "" without one, and what is printed: fmpy does not log here."""
+    """Return the text of fmpy's exception or "", and what is on standard error, as fmpy logs nothing here."""
     import contextlib
     import io
 
     import fmpy
 
-    said = io.StringIO()
-    with contextlib.redirect_stderr(said):
+    errors = io.StringIO()
+    with contextlib.redirect_stderr(errors):
         try:
             fmpy.simulate_fmu(fmu, start_values=values)
         except Exception as error:
-            return [str(error), said.getvalue()]
-    return ["", said.getvalue()]
+            return [str(error), errors.getvalue()]
+    return ["", errors.getvalue()]
 
 
 def test_a_fault_is_seen_where_the_importer_does_not_log(path, clean, tmp_path):
-    error, said = clean(raised, path, {"initial.y": -1.0})
+    error, printed = clean(raised, path, {"initial.y": -1.0})
     assert "status 4 (fatal)" in error
-    beyond = "a contact point starts beyond a wall, or a joint or slider beyond a stop"
-    cause = f"the simulation cannot start: {beyond}: point 0 at the wall y_min"
-    assert said == f"RodDrop: fmi2ExitInitializationMode: {cause}\n"
+    reason = "a contact point starts beyond a wall, or a joint or slider beyond a stop"
+    cause = f"the simulation cannot start: {reason}: point 0 at the wall y_min"
+    assert printed == f"RodDrop: fmi2ExitInitializationMode: {cause}\n"
 
 
 def damaged(name, content):
@@ -146,7 +148,7 @@ def damaged(name, content):
 
 
 def described_anew(name, content):
-    """Return the content of a file of an FMU; importers take another GUID from the model description."""
+    """Return the content of a file of an FMU; the model description has another GUID."""
     described = name == "modelDescription.xml"
     return re.sub(rb'(guid=")........', rb"\g<1>00000000", content) if described else content
 
@@ -161,11 +163,11 @@ def described_anew(name, content):
 def test_an_fmu_that_is_not_whole_is_refused_at_once(path, clean_python, tmp_path, change, reason):
     """The process has not seen this FMU before."""
     spoilt = str(spoiled(path, tmp_path / "RodDrop.fmu", change))
-    program = f"import sys; sys.path.insert(0, {str(HERE)!r}); from importer import *; Instance({spoilt!r})"
-    done = subprocess.run([clean_python, "-I", "-c", program], capture_output=True, text=True, check=False)
-    assert done.returncode != 0  # the wrapper of pythonfmu reads freed memory as the process ends
-    assert re.search(f"^RodDrop: fmi2Instantiate: .*{reason}", done.stderr, re.M)
-    assert "Failed to instantiate" in done.stderr
+    program = f"import sys; sys.path.insert(0, {str(FOLDER)!r}); from importer import *; Instance({spoilt!r})"
+    process = subprocess.run([clean_python, "-I", "-c", program], capture_output=True, text=True, check=False)
+    assert process.returncode != 0  # the wrapper of pythonfmu reads freed memory as the process ends
+    assert re.search(f"^RodDrop: fmi2Instantiate: .*{reason}", process.stderr, re.M)
+    assert "Failed to instantiate" in process.stderr
 
 
 @importing("rod_drop", **in_python)
@@ -189,37 +191,37 @@ def test_a_reason_is_a_format_for_the_wrapper_and_a_sentence_for_people(fmu):
 
     Instance(fmu)
     slave = next(module for name, module in sys.modules.items() if name.endswith("_slave"))
-    said = io.StringIO()
-    with contextlib.redirect_stderr(said):
+    errors = io.StringIO()
+    with contextlib.redirect_stderr(errors):
         error = slave.SlaveError(reason="100 %% of ##1")
-    assert [repr(error), said.getvalue()] == ["100 %% of ##1", "RodDrop: 100 % of #1\n"]
+    assert [repr(error), errors.getvalue()] == ["100 %% of ##1", "RodDrop: 100 % of #1\n"]
 
 
 # --- Ctrl-C ----------------------------------------------------------------------------------------------
 
 LONG = """
-instance = Instance(one).start(**{"solver.work_limit": 1e15})
+instance = Instance(fmu).start(**{"solver.work_limit": 1e15})
 print("right", flush=True)
 try:
     instance.step(1e9)
 except Exception as error:
     print(type(error).__name__, MESSAGES[-1].splitlines()[-1], flush=True)
 instance.close()
-print(Instance(one).start()["solver.status"])
+print(Instance(fmu).start()["solver.status"])
 """
 
 
 def test_ctrl_c_ends_a_long_step(all_fmus, clean_python):
     """The importer gets an error as for any other fault, and continues with other instances."""
-    one = all_fmus["pythonfmu"]["simple_pendulum"]
+    fmu = all_fmus["pythonfmu"]["simple_pendulum"]
     # a shell that starts a background job lets the job ignore Ctrl-C
     heard = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
     lines = [
         heard,
         "import sys",
-        f"sys.path.insert(0, {str(HERE)!r})",
+        f"sys.path.insert(0, {str(FOLDER)!r})",
         "from importer import *",
-        f"one = {one!r}",
+        f"fmu = {fmu!r}",
     ]
     command = [clean_python, "-I", "-c", "\n".join([*lines, LONG])]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
@@ -230,7 +232,7 @@ def test_ctrl_c_ends_a_long_step(all_fmus, clean_python):
     assert (process.returncode, out) == (0, "FMICallException fmi2DoStep: interrupted\n0\n"), err
 
 
-# --- a process that has run it ends well, which guard.c makes sure of ---------------------------------------
+# --- the end of a process that has run the FMU, watched by guard.c -----------------------------------------
 
 
 @pytest.fixture(scope="module")
@@ -241,32 +243,33 @@ def guard(tmp_path_factory):
     unless the slave has released it before.
     """
     folder = tmp_path_factory.mktemp("guard")
-    zig(folder, "-shared", "-fPIC", HERE / "guard.c", "-o", folder / "guard.so")
+    zig(folder, "-shared", "-fPIC", FOLDER / "guard.c", "-o", folder / "guard.so")
     return folder / "guard.so"
 
 
-FREED = "Instance(one).start().close()"
-SEVERAL = """
-instances = [Instance(path).start() for path in (one, other) * 2]
-instances.append(Instance(one, folder=instances[0].folder).start())
+FREED = "Instance(first_fmu).start().close()"
+SEVERAL_INSTANCES = """
+instances = [Instance(path).start() for path in (first_fmu, second_fmu) * 2]
+instances.append(Instance(first_fmu, folder=instances[0].folder).start())
 instances.pop(1).close()
-Instance(other).start().close()
+Instance(second_fmu).start().close()
 for instance in instances[1:]:
     instance.fmu.freeInstance()
 instances[0].fmu.fmi2FreeInstance(instances[0].fmu.component)
 """
-KEPT = """
-instances = [Instance(path).start() for path in (one, other)]
+KEPT_INSTANCES = """
+instances = [Instance(path).start() for path in (first_fmu, second_fmu)]
 for instance in instances:
     shutil.rmtree(instance.folder)
 """
-CYCLES = "for path in (one, other) * 5: fmpy.simulate_fmu(path, stop_time=0.01)"
-REFUSED = 'assert "not > 0" in refused(one, Instance.start, lambda i: i.fmu.doStep(0.0, -1.0))'
-RAISING = 'instance = Instance(one).start(); print("right", flush=True); sys.exit(1)'
+CYCLES = "for path in (first_fmu, second_fmu) * 5: fmpy.simulate_fmu(path, stop_time=0.01)"
+REFUSED = 'assert "not > 0" in refused(first_fmu, Instance.start, lambda i: i.fmu.doStep(0.0, -1.0))'
+RAISING = 'instance = Instance(first_fmu).start(); print("right", flush=True); sys.exit(1)'
 NOT_RELEASED = f"{FREED}; import atexit; atexit._clear()"  # without the slave's release at exit
 
 
-PROGRAMS = {"freed": FREED, "several": SEVERAL, "kept": KEPT, "cycles": CYCLES, "refused": REFUSED}
+PROGRAMS = {"freed": FREED, "several": SEVERAL_INSTANCES, "kept": KEPT_INSTANCES}
+PROGRAMS |= {"cycles": CYCLES, "refused": REFUSED}
 PROGRAMS |= {"raising": RAISING, "not released": NOT_RELEASED}
 CODES = {"raising": 1, "not released": -signal.SIGSEGV}
 
@@ -274,14 +277,13 @@ CODES = {"raising": 1, "not released": -signal.SIGSEGV}
 @pytest.mark.full("takes long")
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_a_process_ends_well_and_the_guard_sees_where_it_does_not(guard, clean_python, all_fmus, name):
-    """The test runs the guard in a separate process."""
-    one, other = (all_fmus["pythonfmu"][model] for model in ("rod_drop", "pinned_arm"))
-    lines = ["import shutil, sys", f"sys.path.insert(0, {str(HERE)!r})", "from importer import *"]
-    lines += [f"one, other = {one!r}, {other!r}", PROGRAMS[name], 'print("right")']
+    first_fmu, second_fmu = (all_fmus["pythonfmu"][model] for model in ("rod_drop", "pinned_arm"))
+    lines = ["import shutil, sys", f"sys.path.insert(0, {str(FOLDER)!r})", "from importer import *"]
+    lines += [f"first_fmu, second_fmu = {first_fmu!r}, {second_fmu!r}", PROGRAMS[name], 'print("right")']
     # LD_PRELOAD separates names by spaces, and the name of a temporary folder may contain spaces
     environment = os.environ | {"LD_PRELOAD": f"./{guard.name}"}
     command = [clean_python, "-I", "-c", "\n".join(lines)]
-    done = subprocess.run(
+    process = subprocess.run(
         command, cwd=guard.parent, env=environment, capture_output=True, text=True, check=False
     )
-    assert (done.returncode, done.stdout) == (CODES.get(name, 0), "right\n"), done.stderr[-2000:]
+    assert (process.returncode, process.stdout) == (CODES.get(name, 0), "right\n"), process.stderr[-2000:]

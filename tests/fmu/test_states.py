@@ -27,29 +27,29 @@ def test_a_saved_state_goes_on_to_the_last_bit(fmu, save_at):
 
     Both continue like a run without saving.
     """
-    one, two, never = Instance(fmu).start(), Instance(fmu), Instance(fmu).start()
+    first, second, never = Instance(fmu).start(), Instance(fmu), Instance(fmu).start()
     in_contact = isinstance(save_at, str)
-    for instance in (one, never):
+    for instance in (first, never):
         while in_contact and not instance[save_at]:
             instance.step(instance.time + 2e-4)
         if not in_contact:
             instance.step(save_at)
-    start, step = one.time, 1e-5 if in_contact else 0.01
-    state = one.fmu.getFMUstate()
-    data = one.fmu.serializeFMUstate(state)
+    start, step = first.time, 1e-5 if in_contact else 0.01
+    state = first.fmu.getFMUstate()
+    data = first.fmu.serializeFMUstate(state)
     assert len(data) > 1000
 
     def go_on(instance):
         instance.time = start
         return [instance.get(instance.outputs), *instance.run([start + step * i for i in range(1, 51)])]
 
-    first = go_on(one)
-    one.fmu.setFMUstate(state)
-    assert go_on(one) == first
-    one.fmu.freeFMUstate(state)
-    copy = two.fmu.deSerializeFMUstate(data)
-    two.fmu.setFMUstate(copy)
-    assert go_on(two) == go_on(never) == first
+    outputs = go_on(first)
+    first.fmu.setFMUstate(state)
+    assert go_on(first) == outputs
+    first.fmu.freeFMUstate(state)
+    copy = second.fmu.deSerializeFMUstate(data)
+    second.fmu.setFMUstate(copy)
+    assert go_on(second) == go_on(never) == outputs
 
 
 @importing("rod_drop")
@@ -67,9 +67,9 @@ def test_a_state_can_be_saved_before_initialization(fmu):
 
 
 @importing("rod_drop", "pinned_arm")
-def test_damaged_and_foreign_states_are_refused(fmu, other):
-    one = Instance(fmu).start()
-    data = one.fmu.serializeFMUstate(one.fmu.getFMUstate())
+def test_damaged_and_foreign_states_are_refused(fmu, second_fmu):
+    instance = Instance(fmu).start()
+    data = instance.fmu.serializeFMUstate(instance.fmu.getFMUstate())
     # changes in the envelope, in the head of the content, and at places of the record
     places = [*range(0, 96, 4), *range(96, len(data), len(data) // 16), len(data) - 1]
     pieces = [data[:place] + bytes([data[place] ^ 1]) + data[place + 1 :] for place in places]
@@ -77,7 +77,7 @@ def test_damaged_and_foreign_states_are_refused(fmu, other):
     for piece in pieces:
         text = refused(fmu, lambda i, piece=piece: i.fmu.deSerializeFMUstate(piece))
         assert "the bytes are no state, or damaged" in text
-    text = refused(other, lambda i: i.fmu.setFMUstate(i.fmu.deSerializeFMUstate(data)))
+    text = refused(second_fmu, lambda i: i.fmu.setFMUstate(i.fmu.deSerializeFMUstate(data)))
     assert "the state is that of another FMU" in text
 
 
@@ -85,13 +85,13 @@ def test_damaged_and_foreign_states_are_refused(fmu, other):
 def test_a_state_of_other_sizes_is_refused_although_its_checksum_is_right(fmu):
     import zlib  # in the clean process a function has its own imports only
 
-    one = Instance(fmu).start()
-    data = one.fmu.serializeFMUstate(one.fmu.getFMUstate())
+    instance = Instance(fmu).start()
+    data = instance.fmu.serializeFMUstate(instance.fmu.getFMUstate())
     for word in range(11):  # the sizes at the start of the record
-        changed = bytearray(data)
-        changed[96 + 8 * word] += 1
-        changed[16:24] = zlib.crc32(changed[24:]).to_bytes(8, "little")
-        state = bytes(changed)
+        changed_state = bytearray(data)
+        changed_state[96 + 8 * word] += 1
+        changed_state[16:24] = zlib.crc32(changed_state[24:]).to_bytes(8, "little")
+        state = bytes(changed_state)
         text = refused(fmu, lambda i, state=state: i.fmu.setFMUstate(i.fmu.deSerializeFMUstate(state)))
         assert "the state is damaged" in text
 
@@ -99,7 +99,7 @@ def test_a_state_of_other_sizes_is_refused_although_its_checksum_is_right(fmu):
 @importing("rod_drop")
 def test_a_refused_start_leaves_the_state_as_it_was(fmu):
     """The start is refused for a point inside a wall, and for infinite energy."""
-    for values, said in (
+    for values, reason in (
         ({"initial.y": -1.0}, "a contact point starts beyond a wall"),
         ({"initial.vx": 1e160}, "the state or its energy is not finite"),
     ):
@@ -107,11 +107,11 @@ def test_a_refused_start_leaves_the_state_as_it_was(fmu):
         instance.fmu.setupExperiment(startTime=0.0)
         instance.set(values)
         instance.fmu.enterInitializationMode()
-        before = instance.fmu.serializeFMUstate(instance.fmu.getFMUstate())
+        state = instance.fmu.serializeFMUstate(instance.fmu.getFMUstate())
         try:
             instance.fmu.exitInitializationMode()
         except FMICallException:
-            assert before == instance.fmu.serializeFMUstate(instance.fmu.getFMUstate())
+            assert state == instance.fmu.serializeFMUstate(instance.fmu.getFMUstate())
         else:
             raise AssertionError(values)
-        assert said in MESSAGES[-1]
+        assert reason in MESSAGES[-1]

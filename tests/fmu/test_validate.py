@@ -41,9 +41,9 @@ from tests.tiers import needs_compilers
 @pytest.mark.full("more cases", but=3)
 @pytest.mark.parametrize("model", ["rod_drop", "kneed_leg", "controlled_arm"])
 def test_an_fmu_of_ours_has_no_faults(fmus, model):
-    found = validate_and_run(fmus[model])
-    assert list(found.findings) == []
-    assert [note.split(",")[0] for note in found.notes] == ["reference results: passed"]
+    report = validate_and_run(fmus[model])
+    assert list(report.findings) == []
+    assert [note.split(",")[0] for note in report.notes] == ["reference results: passed"]
 
 
 # --- faults of each kind of FMU ---------------------------------------------------------------------------
@@ -81,8 +81,8 @@ def test_faults_of_the_whole_are_found(fmus, target, tmp_path, fault):
 def test_the_page_states_how_many_planted_faults_are_found():
     text = (Path(__file__).parents[2] / "docs" / "check_fmu.md").read_text("utf-8")
     stated = re.search(r"plant (\d+) .* and (\d+) .* FMPy finds (\d+) and (\d+)\.", text).groups()
-    planted = [len(some) + len(WHOLE) for some in FAULTS.values()]
-    by_fmpy = [sum(fault.by_fmpy == REPORTED for fault in some.values()) for some in FAULTS.values()]
+    planted = [len(faults) + len(WHOLE) for faults in FAULTS.values()]
+    by_fmpy = [sum(fault.by_fmpy == REPORTED for fault in faults.values()) for faults in FAULTS.values()]
     assert [*map(int, stated)] == [*planted, *by_fmpy]
 
 
@@ -108,11 +108,11 @@ VARIABILITIES = (*DATA, "discrete", "continuous")
 SETTLED, GUESSED, ANY = ("exact",), ("calculated", "approx"), ("calculated", "exact", "approx")
 # FMI 2.0.4, table in 2.2.7, and FMI 3.0, table 22: the permitted values of initial, default first
 INITIALS = (
-    {("parameter", one): SETTLED for one in DATA[1:]}
-    | {("calculatedParameter", one): GUESSED for one in DATA[1:]}
+    {("parameter", variability): SETTLED for variability in DATA[1:]}
+    | {("calculatedParameter", variability): GUESSED for variability in DATA[1:]}
     | {(kind, "constant"): SETTLED for kind in ("output", "local")}
-    | {("local", one): GUESSED for one in DATA[1:]}
-    | {(kind, one): ANY for kind in ("output", "local") for one in VARIABILITIES[3:]}
+    | {("local", variability): GUESSED for variability in DATA[1:]}
+    | {(kind, variability): ANY for kind in ("output", "local") for variability in VARIABILITIES[3:]}
 )
 CAUSALITIES = ("parameter", "calculatedParameter", "input", "output", "local", "independent")
 HEAD = (
@@ -127,32 +127,54 @@ HEAD = (
 @pytest.mark.parametrize("causality", CAUSALITIES)
 def test_causality_variability_initial_and_start_are_those_of_the_standard(tmp_path, version, causality):
     for variability, initial, start in itertools.product(VARIABILITIES, (None, *ANY), (True, False)):
-        allowed = INITIALS.get((causality, variability), ())
-        needed = allowed and (initial or allowed[0]) != "calculated"
-        good = (initial is None or initial in allowed) and bool(allowed)
+        allowed_values = INITIALS.get((causality, variability), ())
+        is_start_needed = allowed_values and (initial or allowed_values[0]) != "calculated"
+        is_good = (initial is None or initial in allowed_values) and bool(allowed_values)
         if causality == "input" and variability in VARIABILITIES[3:]:
-            good, needed = initial is None or (version == 3 and initial == "exact"), True
+            is_good, is_start_needed = initial is None or (version == 3 and initial == "exact"), True
         if causality == "independent" and variability == "continuous":
-            good, needed = initial is None, False
+            is_good, is_start_needed = initial is None, False
         attributes = f'name="v" valueReference="1" causality="{causality}" variability="{variability}"'
         attributes += f' initial="{initial}"' if initial else ""
         value = ' start="1"' if start else ""
-        old = f"<ScalarVariable {attributes}><Real{value}/></ScalarVariable>"
-        one, token = (
-            (old, "guid") if version == 2 else (f"<Float64 {attributes}{value}/>", "instantiationToken")
+        fmi2_variable = f"<ScalarVariable {attributes}><Real{value}/></ScalarVariable>"
+        variable, token = (
+            (fmi2_variable, "guid")
+            if version == 2
+            else (f"<Float64 {attributes}{value}/>", "instantiationToken")
         )
-        text = HEAD.format(version=version, token=token, variables=one)
+        text = HEAD.format(version=version, token=token, variables=variable)
         with zipfile.ZipFile(tmp_path / "x.fmu", "w") as fmu:
             fmu.writestr(XML, text)
-        found = [finding for finding in description_findings(tmp_path / "x.fmu") if finding.variable == "v"]
-        assert bool(found) == (not good or bool(needed) != start), (variability, initial, start, found)
+        faults = [finding for finding in description_findings(tmp_path / "x.fmu") if finding.variable == "v"]
+        assert bool(faults) == (not is_good or bool(is_start_needed) != start), (
+            variability,
+            initial,
+            start,
+            faults,
+        )
 
 
 def test_names_are_those_of_the_structured_convention():
     names = ["a", "_a1.b[1,2].c", "der(a)", "der(a[3].'x y',2)", "'motor #2'", r"'a\'b'", "'!#$%'.x[1]"]
-    wrong = ["", "1", "a b", "ä", "a.", "a..b", "a[1]..b", "[1]", "a[1,]", "'", "'a", "''", r"'\z'", "der(a"]
-    wrong += ["der(a,b)"]
-    assert [name for name in names + wrong if NAME_PATTERNS["structured"].fullmatch(name)] == names
+    wrong_names = [
+        "",
+        "1",
+        "a b",
+        "ä",
+        "a.",
+        "a..b",
+        "a[1]..b",
+        "[1]",
+        "a[1,]",
+        "'",
+        "'a",
+        "''",
+        r"'\z'",
+        "der(a",
+    ]
+    wrong_names += ["der(a,b)"]
+    assert [name for name in names + wrong_names if NAME_PATTERNS["structured"].fullmatch(name)] == names
 
 
 @pytest.mark.parametrize("folder", ["terminalsAndIcons", "icons"])
@@ -161,8 +183,8 @@ def test_terminals_name_variables_that_are_there(native, tmp_path, folder):
     file = f"{folder}/terminalsAndIcons.xml"
     member = '<TerminalMemberVariable variableName="{}" memberName="{}" variableKind="signal"/>'
     stream = '<TerminalStreamMemberVariable inStreamVariableName="time" outStreamVariableName="gravity.y"/>'
-    inner = member.format("gravity.x", "x") + member.format("gravity.w", "x") + stream
-    terminal = f'<Terminal name="t" matchingRule="plug">{inner}</Terminal>'
+    members = member.format("gravity.x", "x") + member.format("gravity.w", "x") + stream
+    terminal = f'<Terminal name="t" matchingRule="plug">{members}</Terminal>'
     with zipfile.ZipFile(path, "a") as fmu:
         fmu.writestr(
             file, f"<fmiTerminalsAndIcons><Terminals>{terminal * 2}</Terminals></fmiTerminalsAndIcons>"
@@ -199,22 +221,22 @@ def test_a_fault_does_not_hide_another(native, tmp_path, names):
 
 def test_the_cause_is_listed_before_its_consequences(native, tmp_path):
     """A variable of an unknown causality is no output, so other findings follow from it."""
-    wrong = edited(('causality="output"', 'causality="outgoing"'), alone=True)
-    first, *others = validate_fmu(spoiled(native["rod_drop"], tmp_path / "x.fmu", wrong))
+    change = edited(('causality="output"', 'causality="outgoing"'), alone=True)
+    first, *other_findings = validate_fmu(spoiled(native["rod_drop"], tmp_path / "x.fmu", change))
     assert "outgoing" in first
-    assert any("ModelStructure" in line for line in others)
+    assert any("ModelStructure" in line for line in other_findings)
 
 
 def test_findings_that_differ_only_in_the_variable_share_a_line(native, tmp_path):
     change = edited(('(<Real declaredType="Length" unit=")m"', r'\1parsec"'), alone=True)
-    found = description_findings(spoiled(native["rod_drop"], tmp_path / "x.fmu", change))
-    assert len(found) > findings.MOST_ALIKE_FINDINGS
-    (line,) = findings.finding_lines(found)
-    names = [finding.variable for finding in found]
-    most = findings.NAMED_VARIABLES
-    assert f"{', '.join(names[:most])} and {len(names) - most} more: The unit" in line
-    few = found[: findings.MOST_ALIKE_FINDINGS]
-    assert findings.finding_lines(few) == [str(one) for one in few]
+    all_findings = description_findings(spoiled(native["rod_drop"], tmp_path / "x.fmu", change))
+    assert len(all_findings) > findings.MOST_ALIKE_FINDINGS
+    (line,) = findings.finding_lines(all_findings)
+    names = [finding.variable for finding in all_findings]
+    name_count = findings.NAMED_VARIABLES
+    assert f"{', '.join(names[:name_count])} and {len(names) - name_count} more: The unit" in line
+    few_findings = all_findings[: findings.MOST_ALIKE_FINDINGS]
+    assert findings.finding_lines(few_findings) == [str(finding) for finding in few_findings]
 
 
 def test_an_alias_is_no_fault(native, tmp_path):
@@ -291,22 +313,24 @@ int fmi2GetReal(void *c, const unsigned vr[], size_t n, double values[]) {
 
 
 @pytest.fixture
-def found(native, tmp_path):
+def faults_of(native, tmp_path):
     """Return a function that finds the faults of an FMU with the given C source.
 
     Functions of the standard that the source does not define return ``status``.
     """
 
-    def found(source, status, **options):
+    def faults_of(source, status, **options):
         names = (name for name in co_simulation_functions() if f"{name}(" not in source)
-        others = (f"int {name}(void) {{ return {status}; }}\n" for name in names)
-        (tmp_path / "fmu.c").write_text(source + "".join(others))
+        other_functions = (f"int {name}(void) {{ return {status}; }}\n" for name in names)
+        (tmp_path / "fmu.c").write_text(source + "".join(other_functions))
         zig(tmp_path, "-shared", "-fPIC", "fmu.c", "-o", f"fmu{SUFFIX}")
         binary = (tmp_path / f"fmu{SUFFIX}").read_bytes()
-        path = spoiled(native["rod_drop"], tmp_path / "x.fmu", lambda n, old: binary if n == BINARY else old)
+        path = spoiled(
+            native["rod_drop"], tmp_path / "x.fmu", lambda n, content: binary if n == BINARY else content
+        )
         return finding_texts(path, **options)
 
-    return found
+    return faults_of
 
 
 @needs_compilers
@@ -318,14 +342,14 @@ def found(native, tmp_path):
         ("for (volatile int i = 0;; i = !i) {}", "fmi2Instantiate did not return within 3 s"),
     ],
 )
-def test_a_binary_that_does_not_come_back_is_found(found, body, sentence):
+def test_a_binary_that_does_not_come_back_is_found(faults_of, body, sentence):
     source = f"#include <stdlib.h>\nvoid *fmi2Instantiate(void) {{ {body} }}\n"
-    assert found(source, 3, timeout=3.0 if "for" in body else 60.0) == [f"{BINARY}: {sentence}"]
+    assert faults_of(source, 3, timeout=3.0 if "for" in body else 60.0) == [f"{BINARY}: {sentence}"]
 
 
 @needs_compilers
-def test_a_state_that_does_not_restore_is_found(found):
+def test_a_state_that_does_not_restore_is_found(faults_of):
     """Each value is the number of steps, which no restored state resets."""
     restored = "is 2 after a step, and 3 after the same step from the restored state (SetFMUState)"
-    lines = found(COUNTER, 0)
+    lines = faults_of(COUNTER, 0)
     assert any(line.endswith(restored) for line in lines), lines
