@@ -1,4 +1,4 @@
-"""Fixtures of the tests of the pages: a Chromium with a page or the kernel alone, and scripts without it."""
+"""Fixtures of the tests of pages: a Chromium with a page or with the kernel alone, and scripts without it."""
 
 import numpy as np
 import pytest
@@ -50,12 +50,12 @@ async function compiled(text) {{
   return modules.get(text);
 }}"""
 
-BEGUN = """new Promise((done) => new PerformanceObserver((marks, observer) => {
-  if (marks.getEntriesByName("first-frame").length) { observer.disconnect(); done(true); }
+FIRST_FRAME = """new Promise((resolve) => new PerformanceObserver((marks, observer) => {
+  if (marks.getEntriesByName("first-frame").length) { observer.disconnect(); resolve(true); }
 }).observe({ type: "mark", buffered: true }))"""
 """Waits for the first motion; a condition that is polled would request frames."""
 
-USUAL = {"viewport": DESK, "reduced_motion": "reduce", "color_scheme": "light"}
+DEFAULTS = {"viewport": DESK, "reduced_motion": "reduce", "color_scheme": "light"}
 """Usual values of the options that an open page can change."""
 
 
@@ -63,15 +63,17 @@ USUAL = {"viewport": DESK, "reduced_motion": "reduce", "color_scheme": "light"}
 def browser():
     """Return a Chromium.
 
-    It ends with the files of this room, because tests of another room could not start playwright beside it.
+    It ends after the tests of this folder, because other tests cannot start playwright while it runs.
     """
     from playwright.sync_api import sync_playwright  # the quick tier does not need playwright
 
     with sync_playwright() as playwright:
         # In a container root has no sandbox; the page is our own. Without the next switches, Chromium always
         # reports 10 MB of memory.
-        told = ["--enable-precise-memory-info", "--js-flags=--expose-gc"]
-        started = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox", *told])
+        memory_switches = ["--enable-precise-memory-info", "--js-flags=--expose-gc"]
+        started = playwright.chromium.launch(
+            executable_path=CHROMIUM, args=["--no-sandbox", *memory_switches]
+        )
         yield started
         started.close()
 
@@ -85,9 +87,9 @@ def address(tmp_path_factory):
 
 @pytest.fixture(scope="package")
 def idle(browser):
-    """Return the pages that tests have left, each after the options that a page keeps.
+    """Return a list for pages that tests have left: (options that an open page cannot change, page).
 
-    They save the start of a process for each test.
+    A test that uses one of these pages need not start a process.
     """
     return []
 
@@ -98,15 +100,17 @@ def open_page(browser, idle):
 
     The test fails if a page writes to the console, raises an error or loads another file.
     """
-    said, opened, local = [], [], ["data:", "blob:"]
+    messages, opened, local = [], [], ["data:", "blob:"]
     listeners = {
-        "console": lambda message: said.append(message.text),
-        "pageerror": lambda error: said.append(str(error)),
-        "request": lambda request: said.append(request.url),
+        "console": lambda message: messages.append(message.text),
+        "pageerror": lambda error: messages.append(str(error)),
+        "request": lambda request: messages.append(request.url),
     }
 
-    def empty_page(options, kept):
-        place = next((k for k, (others, _) in enumerate(idle) if others == kept), None)
+    def empty_page(options, fixed_options):
+        place = next(
+            (k for k, (options_of_page, _) in enumerate(idle) if options_of_page == fixed_options), None
+        )
         if place is None:
             return browser.new_page(**options)
         _, page = idle.pop(place)
@@ -115,10 +119,10 @@ def open_page(browser, idle):
         return page
 
     def open_page(address, begins=True, stopped=False, **options):
-        options = {**USUAL, **options}
-        kept = {name: value for name, value in options.items() if name not in USUAL}
-        page = browser.new_page(**options) if stopped else empty_page(options, kept)
-        opened.append((kept, page, stopped))
+        options = {**DEFAULTS, **options}
+        fixed_options = {name: value for name, value in options.items() if name not in DEFAULTS}
+        page = browser.new_page(**options) if stopped else empty_page(options, fixed_options)
+        opened.append((fixed_options, page, stopped))
         local.append(address.split("#")[0])
         if stopped:
             page.clock.install(time=0)
@@ -130,19 +134,19 @@ def open_page(browser, idle):
         if stopped:
             page.clock.pause_at(60)
         elif begins:
-            page.wait_for_function(BEGUN)
+            page.wait_for_function(FIRST_FRAME)
         return page
 
     yield open_page
-    for kept, page, stopped in opened:
+    for fixed_options, page, stopped in opened:
         for event, listener in listeners.items():
             page.remove_listener(event, listener)
         if stopped:
             page.close()
         else:
             page.mouse.move(0, 0)
-            idle.append((kept, page))
-    assert [text for text in said if not text.startswith(tuple(local))] == []
+            idle.append((fixed_options, page))
+    assert [text for text in messages if not text.startswith(tuple(local))] == []
 
 
 @pytest.fixture
@@ -181,18 +185,19 @@ def worker(browser):
 def kernel(worker):
     """Return a function that runs a scene in a browser.
 
-    It returns time, columns by name, impacts, and the other results of the kernel.
+    It returns time and columns by name, with the bits of real numbers as int64, impacts and the other
+    results of the kernel.
     """
 
     def run(scene, values=None):
         times = {"stop": scene.simulation.stop_time, "step": scene.simulation.step_size}
         module = packed_module(scene.contact.law_file)
-        given = {"module": module, "values": values or {}, **page_contents(scene), **times}
-        result = worker.evaluate(RUN, given)
+        arguments = {"module": module, "values": values or {}, **page_contents(scene), **times}
+        result = worker.evaluate(RUN, arguments)
         columns = {}
-        for one, text in zip(result.pop("names"), result["columns"], strict=True):
+        for column, text in zip(result.pop("names"), result["columns"], strict=True):
             numbers = bits(text)
-            columns[one["name"]] = numbers.view(np.float64).astype(int) if one["integer"] else numbers
+            columns[column["name"]] = numbers.view(np.float64).astype(int) if column["integer"] else numbers
         return {**result, "time": bits(result["time"][0]), "columns": columns}
 
     return run

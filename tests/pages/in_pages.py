@@ -1,4 +1,4 @@
-"""What tests do in pages, and pages' data."""
+"""Actions of tests in pages, and data of pages."""
 
 import base64
 import io
@@ -27,9 +27,9 @@ TEXTS = function_of("in_pages", "textsOf")
 """The numbers of typed arrays as texts, which ``bits`` reads: single numbers would take far longer."""
 ON_OTHERS = function_of("drawing", "onOthers")
 """Pairs of an overlapping text and object. The boxes of texts include space above the letters."""
-SHOWN = "[...document.querySelectorAll('#outputs-over-time dt.of-curve')].map((term) => term.title)"
+CHART_NAMES = "[...document.querySelectorAll('#outputs-over-time dt.of-curve')].map((term) => term.title)"
 """The names of the outputs that have a chart."""
-LATER = "performance.now = ((now) => () => now() + 900)(performance.now.bind(performance))"
+ADVANCE_CLOCK = "performance.now = ((now) => () => now() + 900)(performance.now.bind(performance))"
 """A script after which the page believes that 900 ms more have passed."""
 SUBTITLE = "document.getElementById('subtitle').textContent"
 TIME_TEXT = "document.getElementById('time').textContent"
@@ -46,10 +46,10 @@ def until(page, condition):
     page.wait_for_function(condition)
 
 
-def until_told(page, text, where="subtitle"):
+def until_text(page, text, element="subtitle"):
     """Wait for a text in an element of the page; a number at its beginning must be a whole number there."""
-    found = f"document.getElementById({where!r}).textContent"
-    until(page, f"new RegExp('(?<![0-9.])' + RegExp.escape({json.dumps(text)})).test({found})")
+    shown_text = f"document.getElementById({element!r}).textContent"
+    until(page, f"new RegExp('(?<![0-9.])' + RegExp.escape({json.dumps(text)})).test({shown_text})")
 
 
 def page_contents(scene):
@@ -99,7 +99,9 @@ def draw_map(page):
 
 def until_drawn(page):
     """Wait until the page has drawn what has changed."""
-    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    page.evaluate(
+        "() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)))"
+    )
 
 
 def resize(page, width, height):
@@ -142,8 +144,8 @@ def alike(impacts, impact):
     ]
 
 
-def partners(present, other):
-    """Return for each impact the other one of its point and wall, if time and order are near."""
+def partners(present, other_impacts):
+    """Return for each impact the number of its partner (None: none), near in time and order at one wall."""
 
     def nearest(impact, impacts):
         return min(
@@ -151,11 +153,11 @@ def partners(present, other):
         )
 
     def is_pair(n, k):
-        if k is None or nearest(other[k], present) != n:
+        if k is None or nearest(other_impacts[k], present) != n:
             return False
-        order = alike(present, present[n]).index(n) - alike(other, other[k]).index(k)
-        onsets = sorted((present["onset"][n], other["onset"][k]))
+        order = alike(present, present[n]).index(n) - alike(other_impacts, other_impacts[k]).index(k)
+        onsets = sorted((present["onset"][n], other_impacts["onset"][k]))
         return abs(order) <= 1 and onsets[1] <= 1.1 * onsets[0]
 
-    found = [nearest(impact, other) for impact in present]
-    return [k if is_pair(n, k) else None for n, k in enumerate(found)]
+    nearest_numbers = [nearest(impact, other_impacts) for impact in present]
+    return [k if is_pair(n, k) else None for n, k in enumerate(nearest_numbers)]

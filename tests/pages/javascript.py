@@ -16,7 +16,7 @@ const structuredClone = (value) => JSON.parse(JSON.stringify(value));
 const TOML = {{}};
 (function (exports) {{ {text_of(TOML)} }})(TOML);
 """
-"""What the modules find in a page: a function of browsers, and the reader of scene files."""
+"""The parts of a page that the modules need: a function of browsers, and the reader of scene files."""
 
 FUNCTIONS = Path(__file__).with_name("functions")
 """The folder of the functions that tests run in pages; oxlint checks these files, too."""
@@ -24,10 +24,10 @@ FUNCTIONS = Path(__file__).with_name("functions")
 
 @cache
 def function_of(file, name):
-    """Return the text of a function of a file in FUNCTIONS; its imports stand for what a page has."""
+    """Return the text of a function of a file in FUNCTIONS; the page itself has what the file imports."""
     text = (FUNCTIONS / f"{file}.js").read_text("utf-8")
-    (found,) = re.findall(rf"^export const {name} = (.*?);\n(?=\n|\Z)", text, re.MULTILINE | re.DOTALL)
-    return found
+    (function,) = re.findall(rf"^export const {name} = (.*?);\n(?=\n|\Z)", text, re.MULTILINE | re.DOTALL)
+    return function
 
 
 class Script:

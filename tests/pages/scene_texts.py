@@ -1,6 +1,6 @@
 """Scene files with rare keys."""
 
-WRITTEN = """
+WRITTEN_SCENE = """
 name = "Written"
 chain = { base = "pinned", links = [
   { count = 2, length = 0.5, mass = 1, joint_friction = 0.1, joint_torque_limit = 3.0 },

@@ -9,17 +9,19 @@ from tests.tiers import needs_browser
 pytestmark = needs_browser
 FAULTS = {"resultTypes": ["violations"]}
 ON_DARK = {**FAULTS, "runOnly": ["color-contrast", "link-in-text-block"]}
-"""The rules of axe that depend on colours; all others say the same about a light and a dark page."""
+"""The rules of axe that depend on colours; other rules have one result for a light and a dark page."""
 
 
-def assert_clean(page, where):
+def assert_clean(page, part):
     from axe_playwright_python.sync_playwright import Axe  # the quick tier does not need axe
 
     for scheme, options in (("dark", ON_DARK), ("light", FAULTS)):
         page.emulate_media(color_scheme=scheme)
-        found = Axe().run(page, options=options).response["violations"]
-        faults = [(violation["id"], [node["html"] for node in violation["nodes"]]) for violation in found]
-        assert faults == [], (where, scheme)
+        violations = Axe().run(page, options=options).response["violations"]
+        faults = [
+            (violation["id"], [node["html"] for node in violation["nodes"]]) for violation in violations
+        ]
+        assert faults == [], (part, scheme)
 
 
 def test_the_page_that_simulates_and_its_dialogs_are_clean(show):

@@ -61,15 +61,15 @@ def test_contradicting_values_are_refused_with_the_sentence_of_python(script, mo
 def test_derived_values_are_shown_as_in_the_edited_file(script, changes):
     """A derived value follows its sources again after a reset."""
     expected = edited(FINGER, changes)
-    shown, text, back, starts = script.evaluate(
+    values_in_use, text, back, starts = script.evaluate(
         function_of("changes", "derivedValues"),
         [page_contents(finger()), changes],
     )
     for name in ("center_of_mass", "inertia"):
         for link in (1, 2, 3):
-            assert shown[f"link[{link}].{name}"] == expected.values[f"link[{link}].{name}"]
+            assert values_in_use[f"link[{link}].{name}"] == expected.values[f"link[{link}].{name}"]
     for name in ("stop.restitution", "stop.exponent"):
-        assert shown[name] == expected.values[name]
+        assert values_in_use[name] == expected.values[name]
     assert set(text) == set(changes)
     assert back == starts
 
@@ -90,34 +90,36 @@ def test_the_saved_file_is_the_scene(script, source):
         "([kit, contents]) => tomlText(contentsOf(new Changes(sceneOf({ file: contents, kit }))), kit.keys)"
     )
     text = script.evaluate(saved, [kit, scene_to_dict(scene)])
-    again = parse_scene(text, "saved.toml")
-    assert again.values == scene.values
-    assert PreparedScene(again).new_instance([]).tobytes() == PreparedScene(scene).new_instance([]).tobytes()
+    saved_scene = parse_scene(text, "saved.toml")
+    assert saved_scene.values == scene.values
+    assert (
+        PreparedScene(saved_scene).new_instance([]).tobytes()
+        == PreparedScene(scene).new_instance([]).tobytes()
+    )
 
 
-KEPT = function_of("changes", "keptByEdit")
+KEPT_BY_EDIT = function_of("changes", "keptByEdit")
 
 
-def kept(script, scene, changed, edit, *at):
-    """Return what is known of an edited scene.
+def edit_result(script, scene, changes, edit, *at):
+    """Return data of an edited scene: contents, changes, old name → new name, new names and removals.
 
-    This is its contents before the changes, its changes, old name → new name, its names, and words for the
-    signals and their inputs that the edit has removed.
+    The contents are without the changes; the removals are texts: signals and inputs that the edit removes.
     """
-    return script.evaluate(KEPT, [page_contents(scene), changed, edit, [*at]])
+    return script.evaluate(KEPT_BY_EDIT, [page_contents(scene), changes, edit, [*at]])
 
 
 def test_changes_stay_with_their_links_when_a_link_is_removed(script):
     masses = {f"link[{k}].mass": float(k) for k in (1, 2, 3, 4)}
     scene = load_scene("four_link_box").with_values(masses)
-    changed = {"link[2].mass": 5, "link[3].mass": 5, "initial.angle[4]": 0.5, "contact.restitution": 0.25}
-    contents, values, *_ = kept(script, scene, changed, "removeLink", 1)
+    changes = {"link[2].mass": 5, "link[3].mass": 5, "initial.angle[4]": 0.5, "contact.restitution": 0.25}
+    contents, values, *_ = edit_result(script, scene, changes, "removeLink", 1)
     assert [link["mass"] for link in contents["chain"]["links"]] == [1, 3, 4]
     assert contents["initial"]["angles"][-1] == scene.initial.angles[3]
     assert contents["contact"]["restitution"] == scene.contact.restitution
     assert values == {"link[2].mass": 5, "initial.angle[3]": 0.5, "contact.restitution": 0.25}
-    _, values, *_ = kept(script, scene, changed, "addLink")
-    assert values == changed
+    _, values, *_ = edit_result(script, scene, changes, "addLink")
+    assert values == changes
 
 
 JOINTED = {
@@ -149,26 +151,28 @@ def test_names_of_variables_and_inputs_of_signals_follow_their_link(script):
         contents["chain"]["links"][link]["points"] = [{"x": 0.1, "y": 0.05}]
     contents["walls"] = [{"name": "ramp", "point": [0.0, -9.0], "angle": 0.0}]
     scene = scene_from_dict(contents, "points.toml")
-    after, values, names, known, _ = kept(script, scene, {"joint[4].torque": 3}, "removeLink", 1)
+    edited_contents, values, names, new_names, _ = edit_result(
+        script, scene, {"joint[4].torque": 3}, "removeLink", 1
+    )
     assert {name: names.get(name) for name in NAMES} == NAMES
-    assert {name for name in names.values() if name} <= set(known)
-    assert after["signals"]["push"]["input"] == ["joint[2].torque"]
+    assert {name for name in names.values() if name} <= set(new_names)
+    assert edited_contents["signals"]["push"]["input"] == ["joint[2].torque"]
     assert values == {"joint[3].torque": 3}
-    without, *_ = kept(script, scene, {}, "removeLink", 2)
-    assert without["signals"] == {}
+    second_contents, *_ = edit_result(script, scene, {}, "removeLink", 2)
+    assert second_contents["signals"] == {}
 
 
 def test_changes_stay_with_their_walls_when_a_wall_is_removed(script):
     scene = load_scene("four_link_box")
     walls = [{"name": f"wall{k}", "point": [-1.0 - k, -9.0], "angle": 0.0} for k in (1, 2)]
     scene = scene_from_dict({**scene_to_dict(scene), "walls": walls}, "walls.toml")
-    changed = {"wall.wall1.x": 0.25, "wall.wall2.x": 0.25, "link[2].mass": 5}
-    contents, values, *_ = kept(script, scene, changed, "removeWall", 0)
+    changes = {"wall.wall1.x": 0.25, "wall.wall2.x": 0.25, "link[2].mass": 5}
+    contents, values, *_ = edit_result(script, scene, changes, "removeWall", 0)
     assert [wall["point"][0] for wall in contents["walls"]] == [-3.0]
     assert values == {"wall.wall2.x": 0.25, "link[2].mass": 5}
 
 
-DRIVEN = {
+WITH_SIGNALS = {
     "chain": {"base": "pinned"},
     "inputs": {"base_motion": True, "wall_motion": ["ramp", "x_max"]},
     "walls": [{"name": "ramp", "point": [0.0, -9.0], "angle": 0.0}],
@@ -191,33 +195,35 @@ DRIVEN = {
 )
 def test_a_signal_goes_with_the_input_that_an_edit_removes(script, removed, edit, at):
     contents = scene_to_dict(load_scene("pinned_arm"))
-    contents |= {key: contents[key] | DRIVEN[key] for key in ("chain", "inputs")}
-    contents |= {key: DRIVEN[key] for key in ("walls", "signals")}
+    contents |= {key: contents[key] | WITH_SIGNALS[key] for key in ("chain", "inputs")}
+    contents |= {key: WITH_SIGNALS[key] for key in ("walls", "signals")}
     scene = scene_from_dict(contents, "driven.toml")
-    after, *_, signals = kept(script, scene, {}, edit, *at)
+    edited_contents, *_, signals = edit_result(script, scene, {}, edit, *at)
     assert signals == [f"signal {removed}"]
-    assert after["signals"].keys() == DRIVEN["signals"].keys() - {removed}
+    assert edited_contents["signals"].keys() == WITH_SIGNALS["signals"].keys() - {removed}
 
 
 def test_an_edit_tells_the_inputs_of_signals_that_it_removes(script):
     contents = scene_to_dict(load_scene("pinned_arm"))
     inputs = [f"joint[{k}].torque" for k in (1, 2)]
     contents["signals"] = {"push": {"input": inputs, "form": "ramp", "final": 0.1, "duration": 1.0}}
-    after, *_, removed = kept(script, scene_from_dict(contents, "driven.toml"), {}, "removeLink", 1)
+    edited_contents, *_, removed = edit_result(
+        script, scene_from_dict(contents, "driven.toml"), {}, "removeLink", 1
+    )
     assert removed == ["joint[2].torque of signal push"]
-    assert after["signals"]["push"]["input"] == inputs[:1]
+    assert edited_contents["signals"]["push"]["input"] == inputs[:1]
 
 
 def test_changes_stay_with_points_whose_numbers_change(script):
     contents = scene_to_dict(load_scene("four_link_box"))
     contents["chain"]["links"][1]["points"] = [{"x": 0.1, "y": 0.3}, {"x": 0.2, "y": 0.3}]
     scene = scene_from_dict(contents, "points.toml")
-    changed = {"link[2].point[1].y": -0.05, "link[2].point[2].y": -0.05, "link[2].mass": 5}
-    after, values, *_ = kept(script, scene, changed, "setOfLink", 1, "height", 0.1)
-    assert [point["y"] for point in after["chain"]["links"][1]["points"]] == [0.3, 0.3]
+    changes = {"link[2].point[1].y": -0.05, "link[2].point[2].y": -0.05, "link[2].mass": 5}
+    edited_contents, values, *_ = edit_result(script, scene, changes, "setOfLink", 1, "height", 0.1)
+    assert [point["y"] for point in edited_contents["chain"]["links"][1]["points"]] == [0.3, 0.3]
     assert values == {"link[2].point[5].y": -0.05, "link[2].point[6].y": -0.05, "link[2].mass": 5}
-    after, values, *_ = kept(script, scene, changed, "removePoint", 1, 0)
-    assert [point["y"] for point in after["chain"]["links"][1]["points"]] == [0.3]
+    edited_contents, values, *_ = edit_result(script, scene, changes, "removePoint", 1, 0)
+    assert [point["y"] for point in edited_contents["chain"]["links"][1]["points"]] == [0.3]
     assert values == {"link[2].point[1].y": -0.05, "link[2].mass": 5}
 
 

@@ -7,29 +7,31 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from tests.pages.in_pages import PIXELS, ROWS, impacts_of, partners, until, until_told
+from tests.pages.in_pages import PIXELS, ROWS, impacts_of, partners, until, until_text
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
 BELOW_PEAK = 30
-"""The pixels at the top of the chart that have the number of the peak, not the curve."""
+"""Number of pixels at the top of the chart, which have the number of the peak and no curve."""
 
 
 def test_a_chart_of_force_tells_why_it_has_no_curve_of_a_pin(show):
     page, changes = show(), {"contact.restitution": 0.4}
-    first, other = (simulate(load_scene("four_link_box").with_values(one)).impacts for one in ({}, changes))
-    expected = [k is not None for k in partners(other, first)]
+    first, other_impacts = (
+        simulate(load_scene("four_link_box").with_values(values)).impacts for values in ({}, changes)
+    )
+    expected = [k is not None for k in partners(other_impacts, first)]
     page.get_by_role("button", name="Pin").click()
     page.evaluate("changes => chainImpact.show(changes)", changes)
-    until_told(page, impacts_of(changes))
+    until_text(page, impacts_of(changes))
     for number in (expected.index(True) + 1, expected.index(False) + 1):
         page.get_by_role("button", name=f"Go to impact {number}, ").click()
         until(page, f"document.getElementById('contact-name').textContent.startsWith('impact {number}: ')")
         assert (page.evaluate(PIXELS, ["force", "pin-1"]) > 20) is expected[number - 1]
         assert ("; A: " not in page.text_content("#contact-name")) is expected[number - 1]
-        assert page.locator("#contact-name").evaluate("one => one.scrollWidth <= one.clientWidth"), (
-            "it is not cut off"
-        )
+        assert page.locator("#contact-name").evaluate(
+            "element => element.scrollWidth <= element.clientWidth"
+        ), "it is not cut off"
 
 
 def test_a_chart_with_curves_of_pins_alone_is_titled_by_their_letters(show):
@@ -37,10 +39,10 @@ def test_a_chart_with_curves_of_pins_alone_is_titled_by_their_letters(show):
     page = show()
     for changes in ({"contact.restitution": 0.4}, {"contact.restitution": 0.2}):
         page.evaluate("changes => chainImpact.show(changes)", changes)
-        until_told(page, impacts_of(changes))
+        until_text(page, impacts_of(changes))
         page.get_by_role("button", name="Pin").click()
     page.evaluate("chainImpact.show({'contact.model': 'newton_impact'})")
-    until_told(page, impacts_of({"contact.model": "newton_impact", "contact.restitution": 0.2}))
+    until_text(page, impacts_of({"contact.model": "newton_impact", "contact.restitution": 0.2}))
     assert page.inner_text("#contact-quantity") == "Contact force of A, B"
     name = page.text_content("#contact-name")
     assert "N·s, present: an impulse only" in name
@@ -67,7 +69,7 @@ def test_a_stiff_pin_does_not_flatten_the_curve_of_the_present_contact(show):
     page.get_by_role("button", name="Pin").click()
     for stiffness, is_cut in ((3e7, False), (1e6, True)):
         page.evaluate("value => chainImpact.show({'contact.stiffness': value})", stiffness)
-        until_told(page, impacts_of({"contact.stiffness": stiffness}, "rod_drop"))
+        until_text(page, impacts_of({"contact.stiffness": stiffness}, "rod_drop"))
         rows = [row for row in page.evaluate(ROWS, ["force", "force"]) if row > BELOW_PEAK]
         height = page.evaluate("document.querySelector('#force canvas').height")
         assert max(rows) - min(rows) > 0.25 * height
@@ -75,10 +77,10 @@ def test_a_stiff_pin_does_not_flatten_the_curve_of_the_present_contact(show):
         peak = simulate(load_scene("rod_drop").with_values({"contact.stiffness": 1e8})).impacts["peak_force"][
             0
         ]
-        told = f"; A: up to {peak / 1e3:.2f}\u202fkN"
-        assert page.text_content("#contact-name").endswith(told) is is_cut
+        ending = f"; A: up to {peak / 1e3:.2f}\u202fkN"
+        assert page.text_content("#contact-name").endswith(ending) is is_cut
         page.get_by_role("button", name="F(δ)").click()
-        assert page.text_content("#contact-name").endswith(told) is is_cut
+        assert page.text_content("#contact-name").endswith(ending) is is_cut
         assert ("; A: loss\xa0" in page.text_content("#contact-name")) is not is_cut, "of the pin, too"
         page.get_by_role("button", name="F(δ)").click()
 
@@ -87,10 +89,10 @@ def test_an_axis_of_square_roots_holds_a_far_higher_pin(show, script):
     page = show("rod_drop", hash_="#contact.stiffness=1e8")
     page.get_by_role("button", name="Pin").click()
     page.evaluate("chainImpact.show({'contact.stiffness': 1e6})")
-    until_told(page, impacts_of({"contact.stiffness": 1e6}, "rod_drop"))
-    until_told(page, "Contact force (square roots)", "contact-quantity")
+    until_text(page, impacts_of({"contact.stiffness": 1e6}, "rod_drop"))
+    until_text(page, "Contact force (square roots)", "contact-quantity")
     rows = [page.evaluate(ROWS, ["force", name]) for name in ("pin-1", "force")]
-    top, peak = (min(row for row in some if row > BELOW_PEAK - 10) for some in rows)
+    top, peak = (min(row for row in rows_of_curve if row > BELOW_PEAK - 10) for rows_of_curve in rows)
     bottom = max(rows[1])
     scenes = [load_scene("rod_drop").with_values({"contact.stiffness": k}) for k in (1e8, 1e6)]
     peaks = [simulate(scene).impacts["peak_force"][0] for scene in scenes]
@@ -102,11 +104,11 @@ def test_an_axis_of_square_roots_holds_a_far_higher_pin(show, script):
 def test_letters_stand_where_their_curve_is_far_from_others(script):
     """A leaves the present curve at the right, B is far from it, and C lies on it."""
     box = {"left": 0, "top": 0, "width": 300, "height": 100}
-    own = [[[0, 90], [300, 90]]]
+    present_courses = [[[0, 90], [300, 90]]]
     courses = {"A": [[0, 90], [200, 90], [300, 60]], "B": [[0, 50], [300, 50]], "C": [[0, 90], [300, 90]]}
     compared = [{"letter": letter, "course": course} for letter, course in courses.items()]
     find = "([...of]) => letterPositions(...of, [], {box}, 1)".replace("{box}", str(box))
-    a, b, c = script.evaluate(find, [compared, own])
+    a, b, c = script.evaluate(find, [compared, present_courses])
     assert a[0] > 250
     assert b[1] == 50
     assert abs(b[0] - 0.29 * 300) < 30, "equally good places are at different times for different letters"
@@ -126,13 +128,13 @@ def test_a_chart_of_inputs_tells_why_it_has_no_curve_of_a_pin(show):
 def test_the_loss_of_a_contact_is_the_area_of_its_loop(script):
     depth = np.concatenate([np.linspace(0.0, 0.002, 41), np.linspace(0.002, 0.0, 41)])
 
-    def told(most, back, every=1):
-        force = np.concatenate([np.linspace(0.0, most, 41), back * np.linspace(most, 0.0, 41)])
-        loop = {"penetration": depth[::every].tolist(), "force": force[::every].tolist()}
+    def loss_text(peak, back, step=1):
+        force = np.concatenate([np.linspace(0.0, peak, 41), back * np.linspace(peak, 0.0, 41)])
+        loop = {"penetration": depth[::step].tolist(), "force": force[::step].tolist()}
         return script.evaluate("lossText", loop)
 
-    assert told(2000.0, 0.75) == "loss\u00a00.50\u202fJ"
-    assert told(0.02, 0.75) == "loss\u00a05.0\u202fµJ"
-    assert told(2000.0, 1.0) == "loss below 0.2\u202f%"
-    assert told(2000.0, 0.75, every=3) == "", "too few rows for a number"
-    assert told(2000.0, 1.1) == "", "no loss"
+    assert loss_text(2000.0, 0.75) == "loss\u00a00.50\u202fJ"
+    assert loss_text(0.02, 0.75) == "loss\u00a05.0\u202fµJ"
+    assert loss_text(2000.0, 1.0) == "loss below 0.2\u202f%"
+    assert loss_text(2000.0, 0.75, step=3) == "", "too few rows for a number"
+    assert loss_text(2000.0, 1.1) == "", "no loss"

@@ -1,4 +1,4 @@
-"""Motions beside the present motion: the motion before a change, and pinned motions with their names."""
+"""Motions for comparison with the present one: the motion before a change, and pinned, named motions."""
 
 # Tests: pages/browser/explore/compared_motions.js
 
@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from chain_impact import simulate
-from tests.pages.in_pages import DESK, LATER, PHONE, PIXELS, impacts_of, resize, until, until_told
+from tests.pages.in_pages import ADVANCE_CLOCK, DESK, PHONE, PIXELS, impacts_of, resize, until, until_text
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -27,8 +27,8 @@ def test_the_motion_before_a_change_is_drawn_behind_and_pinned_ones_stay(show):
     for value in (0.4, 0.6):
         page.get_by_role("button", name="Pin").click()
         page.evaluate(f"chainImpact.show({{'contact.restitution': {value}}})")
-        until_told(page, impacts_of({"contact.restitution": value}))
-        page.evaluate(LATER)  # changes at shorter intervals are merged into one change
+        until_text(page, impacts_of({"contact.restitution": value}))
+        page.evaluate(ADVANCE_CLOCK)  # changes at shorter intervals are merged into one change
     assert page.locator("polyline.compared").count() == 2, "the motion before the last change is pinned"
     for chart in ("energy", "force"):
         assert page.evaluate(PIXELS, [chart, "pin-2"]) > 20
@@ -51,20 +51,20 @@ def test_letters_of_five_pins_beside_a_wall_stay_in_the_scene(show):
     page = show("pinned_arm")
     for value in (0.3, 0.4, 0.5, 0.7, 0.8):
         page.get_by_role("button", name="Pin").click()
-        page.evaluate(LATER)
+        page.evaluate(ADVANCE_CLOCK)
         page.evaluate(f"chainImpact.show({{'contact.restitution': {value}}})")
-        until_told(page, impacts_of({"contact.restitution": value}, "pinned_arm"))
+        until_text(page, impacts_of({"contact.restitution": value}, "pinned_arm"))
         until(page, "document.getElementById('stage').ariaBusy === 'false'")
     page.get_by_role("button", name="Go to impact 1, ").click()
     until(page, "document.getElementById('time').textContent.startsWith('0.49')")
     scene = page.locator("#scene").bounding_box()
-    dots = [one.bounding_box() for one in page.locator(".compared-tip:not(.before)").all()]
+    dots = [dot.bounding_box() for dot in page.locator(".compared-tip:not(.before)").all()]
     assert len(dots) == 5
     for dot in dots:
         for at, size in AXES:
             assert scene[at] - 0.5 <= dot[at] <= scene[at] + scene[size] - dot[size] + 0.5
-    for one, other in itertools.combinations(dots, 2):
-        assert np.hypot(one["x"] - other["x"], one["y"] - other["y"]) > 14.0
+    for first, second in itertools.combinations(dots, 2):
+        assert np.hypot(first["x"] - second["x"], first["y"] - second["y"]) > 14.0
 
 
 def test_after_a_refused_start_no_pin_tells_a_change_and_the_clock_no_rate(show):
@@ -90,20 +90,20 @@ def test_letters_of_pins_at_one_place_are_beside_each_other(show):
     for value in (0.4, 0.6):
         page.get_by_role("button", name="Pin").click()
         page.evaluate(f"chainImpact.show({{'contact.restitution': {value}}})")
-        until_told(page, impacts_of({"contact.restitution": value}))
+        until_text(page, impacts_of({"contact.restitution": value}))
     until(page, "document.getElementById('stage').ariaBusy === 'false'")
     page.locator("#scrub").fill("0")
     until(page, "document.getElementById('time').textContent === '0.00000 s'")
     assert page.locator(".compared-tip ~ polyline.compared").count() == 0, "letters lie above all lines"
-    dots = [one.bounding_box() for one in page.locator(".compared-tip:not(.before), #scene .tip").all()]
+    dots = [dot.bounding_box() for dot in page.locator(".compared-tip:not(.before), #scene .tip").all()]
     assert len(dots) == 3
-    for one, other in itertools.combinations(dots, 2):
-        assert np.hypot(one["x"] - other["x"], one["y"] - other["y"]) > 14.0, "the letter's dot is free"
-    numbers = [one.bounding_box() for one in page.locator(".point-number").all()]
+    for first, second in itertools.combinations(dots, 2):
+        assert np.hypot(first["x"] - second["x"], first["y"] - second["y"]) > 14.0, "the letter's dot is free"
+    numbers = [number.bounding_box() for number in page.locator(".point-number").all()]
     for dot, number in itertools.product(dots, numbers):
-        apart = [abs(2 * dot[at] + dot[size] - 2 * number[at] - number[size]) for at, size in AXES]
+        distances = [abs(2 * dot[at] + dot[size] - 2 * number[at] - number[size]) for at, size in AXES]
         room = [dot[size] + number[size] for _, size in AXES]
-        assert apart[0] > room[0] or apart[1] > room[1], "no number lies on a letter"
+        assert distances[0] > room[0] or distances[1] > room[1], "no number lies on a letter"
 
 
 def test_a_carriage_has_one_size_in_all_motions(show):
@@ -111,7 +111,7 @@ def test_a_carriage_has_one_size_in_all_motions(show):
     page.evaluate("chainImpact.show({'link[1].length': 0.9})")
     until(page, "document.querySelectorAll('polygon.compared').length === 1")
     widths = page.evaluate(
-        "['polygon.compared', '.carriage'].map((one) => document.querySelector(one).getBBox().width)"
+        "['polygon.compared', '.carriage'].map((name) => document.querySelector(name).getBBox().width)"
     )
     assert widths[0] == pytest.approx(widths[1], rel=1e-6)
 
@@ -122,7 +122,7 @@ def test_a_ball_has_its_size_in_all_motions(show):
     page.evaluate("chainImpact.show({'contact.restitution': 0.7})")
     until(page, "document.querySelectorAll('circle.compared').length === 1")
     sizes = page.evaluate(
-        "['.compared', '.disc'].map((one) => document.querySelector(`circle${one}`).r.baseVal.value)"
+        "['.compared', '.disc'].map((name) => document.querySelector(`circle${name}`).r.baseVal.value)"
     )
     assert sizes[0] == pytest.approx(sizes[1])
     assert sizes[0] > 8.0
@@ -142,7 +142,7 @@ def test_two_pins_leave_the_list_of_impacts_in_sight(show):
     for value in (0.4, 0.6):
         page.get_by_role("button", name="Pin").click()
         page.evaluate(f"chainImpact.show({{'contact.restitution': {value}}})")
-        until_told(page, impacts_of({"contact.restitution": value}))
+        until_text(page, impacts_of({"contact.restitution": value}))
     assert page.locator("#energies dd.of-curve").all_text_contents() == ["A", "B"]
     boxes = {
         name: page.locator(name).bounding_box() for name in ("#energy .uplot", "#energies", *BESIDE_PINS)
@@ -152,7 +152,7 @@ def test_two_pins_leave_the_list_of_impacts_in_sight(show):
     bottom = page.locator("#impacts").evaluate("list => list.getBoundingClientRect().bottom")
     rows = [row.bounding_box() for row in page.locator("#impacts tbody tr").all()[:5]]
     assert all(row["y"] + row["height"] <= bottom + 0.5 < boxes["footer"]["y"] for row in rows)
-    heights = "charts => charts.map((one) => one.clientHeight)"
+    heights = "charts => charts.map((element) => element.clientHeight)"
     assert min(page.locator("aside .chart .u-over").evaluate_all(heights)) >= 110
 
 
@@ -161,7 +161,7 @@ def test_the_names_of_outputs_are_whole_beside_many_pins(show):
     for value in (0.4, 0.5, 0.55, 0.6):
         page.get_by_role("button", name="Pin").click()
         page.evaluate(f"chainImpact.show({{'contact.restitution': {value}}})")
-        until_told(page, impacts_of({"contact.restitution": value}))
+        until_text(page, impacts_of({"contact.restitution": value}))
     terms = page.locator("#outputs-over-time .of-curve")
     assert terms.all_inner_texts() == ["A", "B", "C", "D", "point 2 at the floor"]
     assert terms.last.bounding_box()["height"] < 20.0, "one line"
@@ -172,7 +172,7 @@ def test_five_pins_and_the_legend_of_energies_are_in_sight(show):
     for value in (0.4, 0.5, 0.55, 0.6, 0.65):
         page.get_by_role("button", name="Pin").click()
         page.evaluate(f"chainImpact.show({{'contact.restitution': {value}}})")
-        until_told(page, impacts_of({"contact.restitution": value}))
+        until_text(page, impacts_of({"contact.restitution": value}))
     assert page.locator("#pins tbody tr").count() == 6
     for height in (768, 800):
         resize(page, 1366, height)
@@ -197,11 +197,15 @@ def test_pins_have_colours_of_their_own(show):
     values = "names.map((name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`))"
     for scheme in ("light", "dark"):
         page.emulate_media(color_scheme=scheme)
-        found = page.evaluate(f"names => {values}", names)
-        colours = [np.array(mpl.colors.to_rgb(one.strip())) for one in found]
-        for one, other in itertools.combinations(range(len(colours)), 2):
-            if one < 5:
-                assert abs(colours[one] - colours[other]).sum() > 0.3, (scheme, names[one], names[other])
+        texts = page.evaluate(f"names => {values}", names)
+        colours = [np.array(mpl.colors.to_rgb(text.strip())) for text in texts]
+        for first, second in itertools.combinations(range(len(colours)), 2):
+            if first < 5:
+                assert abs(colours[first] - colours[second]).sum() > 0.3, (
+                    scheme,
+                    names[first],
+                    names[second],
+                )
 
 
 OUTSIDE = function_of("compared_motions", "outside")
@@ -211,12 +215,12 @@ OUTSIDE = function_of("compared_motions", "outside")
 def test_the_view_holds_the_motions_that_are_compared(show):
     page = show("thrown_brick")
     page.evaluate("chainImpact.show({'initial.vy': 12})")  # much higher than the motion that follows
-    until_told(page, impacts_of({"initial.vy": 12}, "thrown_brick"))
+    until_text(page, impacts_of({"initial.vy": 12}, "thrown_brick"))
     page.get_by_role("button", name="Pin").click()
     for height in (0.3, 0.25):
-        page.evaluate(LATER)
+        page.evaluate(ADVANCE_CLOCK)
         page.evaluate(f"chainImpact.show({{'initial.vy': 0, 'initial.y': {height}}})")
-        until_told(page, impacts_of({"initial.vy": 0, "initial.y": height}, "thrown_brick"))
+        until_text(page, impacts_of({"initial.vy": 0, "initial.y": height}, "thrown_brick"))
         page.locator("#scrub").fill("1.2")  # s, near the top of the flight
         page.wait_for_function("document.getElementById('time').textContent === '1.20000 s'")
         assert page.evaluate(OUTSIDE) == 0
@@ -232,7 +236,7 @@ def test_pins_get_outputs_that_are_chosen_later_but_not_of_another_scene(show):
     assert page.evaluate(PIXELS, ["outputs-over-time", "pin-1"]) > 20
     page.get_by_role("button", name="Edit…").click()
     page.get_by_role("button", name="Remove link 3").click()
-    until_told(page, "3 links")
+    until_text(page, "3 links")
     page.keyboard.press("Escape")
     page.get_by_role("button", name="Chart…").click()
     page.get_by_text("By names").click()
@@ -264,8 +268,12 @@ def test_pins_are_named_by_the_changes_in_which_they_differ(show):
     ]
     for size in (PHONE, DESK):
         resize(page, **size)
-        assert names.evaluate_all("all => all.every((one) => one.scrollWidth <= one.clientWidth)"), size
-        assert names.evaluate_all("all => all.every((one) => one.scrollHeight <= one.clientHeight + 1)"), size
+        assert names.evaluate_all(
+            "all => all.every((element) => element.scrollWidth <= element.clientWidth)"
+        ), size
+        assert names.evaluate_all(
+            "all => all.every((element) => element.scrollHeight <= element.clientHeight + 1)"
+        ), size
         assert page.locator("#pins").evaluate("list => list.scrollWidth <= list.clientWidth"), "no cut column"
     page.keyboard.press("Escape")
     page.evaluate("location.hash = '#'")
@@ -294,29 +302,32 @@ def test_a_pin_has_the_name_that_the_reader_gives_it_also_in_a_link(show):
     page.get_by_role("button", name="Pin").click()
     page.get_by_title("Give this pin a name").click()
     field = page.get_by_role("textbox", name="Name of this pin")
-    for text, key, kept in (("hard wall: 1", "Enter", "hard wall: 1"), ("another", "Escape", "hard wall: 1")):
+    for text, key, expected in (
+        ("hard wall: 1", "Enter", "hard wall: 1"),
+        ("another", "Escape", "hard wall: 1"),
+    ):
         field.fill(text)
         field.press(key)
-        page.locator("#pins .pin-name").get_by_text(kept, exact=True).click()
+        page.locator("#pins .pin-name").get_by_text(expected, exact=True).click()
     field.press("Escape")
     until(page, "location.hash.includes('hard')")
-    other = show(hash_=page.evaluate("location.hash"))
-    other.locator("#pins .pin-name").get_by_text("hard wall: 1", exact=True).wait_for()
-    other.get_by_title("Give this pin a name").click()
-    other.get_by_role("textbox", name="Name of this pin").fill("")
-    other.keyboard.press("Enter")
-    other.locator("#pins .pin-name").get_by_text("as in the scene").wait_for()
+    second_page = show(hash_=page.evaluate("location.hash"))
+    second_page.locator("#pins .pin-name").get_by_text("hard wall: 1", exact=True).wait_for()
+    second_page.get_by_title("Give this pin a name").click()
+    second_page.get_by_role("textbox", name="Name of this pin").fill("")
+    second_page.keyboard.press("Enter")
+    second_page.locator("#pins .pin-name").get_by_text("as in the scene").wait_for()
 
 
 def test_a_motion_is_pinned_once(show):
     page = show()
-    pin, told = page.get_by_role("button", name="Pin", exact=True), page.locator("#pin-equal")
+    pin, note = page.get_by_role("button", name="Pin", exact=True), page.locator("#pin-equal")
     pin.click()
     until(page, "document.querySelectorAll('#pin-table tbody tr').length === 2")
     for value in (0.4, 0.7):
         page.evaluate(f"chainImpact.show({{'contact.restitution': {value}}})")
-        until_told(page, impacts_of({"contact.restitution": value}))
-    assert not told.is_visible()
+        until_text(page, impacts_of({"contact.restitution": value}))
+    assert not note.is_visible()
     pin.click()
-    assert "same as pin A" in told.inner_text()
+    assert "same as pin A" in note.inner_text()
     assert page.locator("#pin-table tbody tr").count() == 2

@@ -9,7 +9,7 @@ import re
 import pytest
 
 from chain_impact import load_scene, simulate
-from tests.pages.in_pages import LATER, PIXELS, alike, impacts_of, partners, until, until_told
+from tests.pages.in_pages import ADVANCE_CLOCK, PIXELS, alike, impacts_of, partners, until, until_text
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
@@ -23,15 +23,15 @@ def test_pins_tell_the_change_of_the_largest_force_and_align_impacts(show):
     page.evaluate("chainImpact.show({'contact.restitution': 0.5})")
     scene = load_scene("four_link_box")
     runs = [simulate(scene.with_values({"contact.restitution": e})) for e in (0.5, 0.7)]
-    until_told(page, f"{len(runs[0].impacts)} impact")
+    until_text(page, f"{len(runs[0].impacts)} impact")
     rows = page.locator("#pins tbody tr").all()
     assert "present: Restitution = 0.5" in rows[0].inner_text()
     peaks = [run.impacts["peak_force"].max() for run in runs]
-    largest = [f"{peak / 1e3:.1f}\u202fkN" for peak in peaks]
-    told = [row.locator("td").nth(1) for row in rows]
-    changes = [cell.locator("small").inner_text() for cell in told]
-    assert [cell.text_content() for cell in told] == [
-        force + change for force, change in zip(largest, changes, strict=True)
+    peak_texts = [f"{peak / 1e3:.1f}\u202fkN" for peak in peaks]
+    peak_cells = [row.locator("td").nth(1) for row in rows]
+    changes = [cell.locator("small").inner_text() for cell in peak_cells]
+    assert [cell.text_content() for cell in peak_cells] == [
+        force + change for force, change in zip(peak_texts, changes, strict=True)
     ]
     assert changes[1] == "", "pin A is the reference"
     percent = float(changes[0].removesuffix("\u202f%").replace("\u2212", "-"))
@@ -43,13 +43,13 @@ def test_pins_tell_the_change_of_the_largest_force_and_align_impacts(show):
     page.get_by_role("button", name="Impact by impact…").click()
     pairs = [(present["onset"][n], n, k) for n, k in enumerate(expected)]
     pairs += [(pinned["onset"][k], None, k) for k in range(len(pinned)) if k not in expected]
-    shown = sorted(pairs, key=FIRST)
+    sorted_pairs = sorted(pairs, key=FIRST)
     table = page.locator("#pairs tbody tr").all()
     numbers = [row.locator("td").first.inner_text() for row in table]
-    assert numbers == ["" if n is None else str(n + 1) for _, n, _ in shown]
+    assert numbers == ["" if n is None else str(n + 1) for _, n, _ in sorted_pairs]
     cells = [row.locator("td").last.inner_text() for row in table]
     greys = [row.locator("td").last.get_attribute("class") == "doubtful" for row in table]
-    for cell, is_grey, (_, n, k) in zip(cells, greys, shown, strict=True):
+    for cell, is_grey, (_, n, k) in zip(cells, greys, sorted_pairs, strict=True):
         assert cell.startswith("–") if k is None else f"{pinned['onset'][k]:.4f}" in cell
         if None in (n, k):
             continue
@@ -58,8 +58,8 @@ def test_pins_tell_the_change_of_the_largest_force_and_align_impacts(show):
         time, unit, percent = re.search(
             r"→ now ([+−]?[\d.]+)\u202f(\w+), ([+−]?[\d.]+)\u202f%", cell
         ).groups()
-        told = [float(text.replace("\u2212", "-")) for text in (time, percent)]
-        assert told == pytest.approx([gap / SECONDS[unit], change], rel=0.05, abs=0.06)
+        gap_and_change = [float(text.replace("\u2212", "-")) for text in (time, percent)]
+        assert gap_and_change == pytest.approx([gap / SECONDS[unit], change], rel=0.05, abs=0.06)
         is_other = alike(present, present[n]).index(n) != alike(pinned, pinned[k]).index(k)
         assert is_grey == (is_other or abs(gap) > 0.03 * min(present["onset"][n], pinned["onset"][k]))
     page.keyboard.press("Escape")
@@ -67,17 +67,17 @@ def test_pins_tell_the_change_of_the_largest_force_and_align_impacts(show):
         k is None
         or abs(present["onset"][n] / pinned["onset"][k] - 1) > 0.01
         or abs(present["peak_force"][n] / pinned["peak_force"][k] - 1) > 0.01
-        for _, n, k in shown
+        for _, n, k in sorted_pairs
         if n is not None
     ]
     assert rows[0].locator("td").nth(4).inner_text().startswith(f"impact {is_clear.index(True) + 1}\n")
     assert "changes from A" in page.locator("#pins thead th").first.inner_text()
-    told = page.locator("#pins thead th").evaluate_all("heads => heads.slice(4).map((head) => head.title)")
-    assert len(set(told)) == 3
-    assert all(told), "each of the last columns is explained"
+    titles = page.locator("#pins thead th").evaluate_all("heads => heads.slice(4).map((head) => head.title)")
+    assert len(set(titles)) == 3
+    assert all(titles), "each of the last columns is explained"
     assert rows[0].locator("td").nth(4).locator("small").inner_text().count("force ") == 1
     counts = f"{len(pinned)} → {len(present)}"
-    assert page.inner_text("#impacts-before") == f"from A: {counts}, {largest[1]} → {largest[0]}"
+    assert page.inner_text("#impacts-before") == f"from A: {counts}, {peak_texts[1]} → {peak_texts[0]}"
 
 
 def places_of(run):
@@ -89,7 +89,7 @@ def test_all_motions_are_compared_with_the_one_that_the_reader_chooses(show):
     for value in values[1:]:
         page.get_by_role("button", name="Pin").click()
         page.evaluate(f"chainImpact.show({{'contact.restitution': {value}}})")
-        until_told(page, impacts_of({"contact.restitution": value}))
+        until_text(page, impacts_of({"contact.restitution": value}))
     scene = load_scene("four_link_box")
     runs = dict(
         zip("AB ", (simulate(scene.with_values({"contact.restitution": e})) for e in values), strict=True)
@@ -100,12 +100,13 @@ def test_all_motions_are_compared_with_the_one_that_the_reader_chooses(show):
         assert page.inner_text("#impacts-before").startswith("" if letter == " " else f"from {name}: ")
         rows = dict(zip(" AB", page.locator("#pins tbody tr").all(), strict=True))
         assert rows.pop(letter).locator("td").last.inner_text() == "reference"
-        for other, row in rows.items():
-            counts = [len(runs[one].impacts) for one in (letter, other)]
-            told = row.locator("td").first.locator("small").inner_text().replace("−", "-")
-            assert int(told) == counts[1] - counts[0]
-            orders = zip(*(places_of(runs[one]) for one in (letter, other)), strict=False)
-            first = next((k for k, (one, two) in enumerate(orders, 1) if one != two), min(counts) + 1)
+        for other_letter, row in rows.items():
+            counts = [len(runs[key].impacts) for key in (letter, other_letter)]
+            count_change = row.locator("td").first.locator("small").inner_text().replace("−", "-")
+            assert int(count_change) == counts[1] - counts[0]
+            orders = zip(*(places_of(runs[key]) for key in (letter, other_letter)), strict=False)
+            differing = (k for k, (place, other_place) in enumerate(orders, 1) if place != other_place)
+            first = next(differing, min(counts) + 1)
             assert row.locator("td").last.inner_text().startswith(f"impact {first}, ")
             parting = float(row.locator("td").nth(3).inner_text().removesuffix("\u202fs"))
             onset = runs[letter].impacts["onset"][0]
@@ -117,17 +118,19 @@ def test_each_impact_of_each_pin_has_one_cell(show):
     page = show(hash_="#contact.restitution=0.7")
     for value in (0.8, 0.6, 0.75):
         page.get_by_role("button", name="Pin").click()
-        page.evaluate(LATER)
+        page.evaluate(ADVANCE_CLOCK)
         page.evaluate(f"chainImpact.show({{'contact.restitution': {value}}})")
-        until_told(page, impacts_of({"contact.restitution": value}))
+        until_text(page, impacts_of({"contact.restitution": value}))
     page.get_by_role("button", name="Impact by impact…").click()
     rows = [row.locator("td").all_inner_texts()[1:] for row in page.locator("#pairs tbody tr").all()]
     for value, column in zip((0.75, 0.7, 0.8, 0.6), zip(*rows, strict=True), strict=True):
         run = simulate(load_scene("four_link_box").with_values({"contact.restitution": value}))
-        told = [re.search(r"(\d\.\d{4})\u202fs", text)[1] for text in column if not text.startswith("–")]
-        assert sorted(told) == [f"{onset:.4f}" for onset in run.impacts["onset"]]
+        onset_texts = [
+            re.search(r"(\d\.\d{4})\u202fs", text)[1] for text in column if not text.startswith("–")
+        ]
+        assert sorted(onset_texts) == [f"{onset:.4f}" for onset in run.impacts["onset"]]
     lacking = [[cell.startswith("–") for cell in row] for row in rows]
-    assert any(one[0] and one.count(False) > 1 for one in lacking), "partners of two pins share a row"
+    assert any(row[0] and row.count(False) > 1 for row in lacking), "partners of two pins share a row"
 
 
 def test_a_change_to_many_times_the_force_is_told_as_a_factor(show):
@@ -149,7 +152,7 @@ def test_an_energy_of_round_off_is_0_in_the_summary(show):
 
 
 def test_energies_of_the_summary_are_rounded_to_the_range_of_the_runs(show):
-    """At the end the energy is −25 µJ, of 3.6 J at the start."""
+    """At the end the energy is −25 µJ; at the start it is 3.6 J."""
     page = show("rod_drop", {"contact.restitution": 0.3})
     page.get_by_role("button", name="Pin").click()
     page.evaluate("chainImpact.show({'contact.restitution': 0.8})")

@@ -9,16 +9,16 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from tests.pages.in_pages import (
+    CHART_NAMES,
     DESK,
     PIXELS,
     ROWS,
-    SHOWN,
     impacts_of,
     packed_module,
     page_contents,
     time_of,
     until,
-    until_told,
+    until_text,
 )
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
@@ -32,7 +32,7 @@ MOTION = function_of("curves", "motionInPage")
 
 
 def shown_value(page, name):
-    """Return the value of an output beside its name, without its unit."""
+    """Return the shown value of an output, without its unit."""
     row = page.locator("#outputs-over-time div").filter(has=page.locator(f'dt[title="{name}"]'))
     return float(row.locator("dd").inner_text().split("\u202f")[0].replace("\u2212", "-"))
 
@@ -40,13 +40,13 @@ def shown_value(page, name):
 def test_outputs_of_a_link_are_drawn_and_told_at_each_time(show, result):
     page = show(hash_="#curves=point[4].*y,impact.count")
     names = ["point[4].y", "point[4].vy", "point[4].ay", "impact.count"]
-    assert page.evaluate(SHOWN) == names
+    assert page.evaluate(CHART_NAMES) == names
     assert page.locator("#outputs-over-time canvas").count() == 4, "a chart for each unit"
     page.locator("#scrub").fill("0.9")
     until(page, "document.getElementById('time').textContent === '0.90000 s'")
     for name in names:
-        known = np.interp(0.9, result.time, result[name])
-        assert shown_value(page, name) == pytest.approx(known, abs=1e-3 * np.ptp(result[name]))
+        expected = np.interp(0.9, result.time, result[name])
+        assert shown_value(page, name) == pytest.approx(expected, abs=1e-3 * np.ptp(result[name]))
 
 
 CURVE_WORDS = {
@@ -64,10 +64,10 @@ CURVE_WORDS = {
 
 def test_a_curve_is_called_by_words_and_its_name_is_a_tooltip(script, show):
     quantities = {"force": "force", "angle": "angle", "energy": "energy"}
-    asked = [[name, next((quantities[key] for key in quantities if key in name), "")] for name in CURVE_WORDS]
+    pairs = [[name, next((quantities[key] for key in quantities if key in name), "")] for name in CURVE_WORDS]
     ask = """(all) => all.map(([name, quantity]) => outputCurveText(name, quantity,
       (parameter) => ({ "gravity.x": 0, "gravity.y": -9.8 })[parameter]))"""
-    assert script.evaluate(ask, asked) == list(CURVE_WORDS.values())
+    assert script.evaluate(ask, pairs) == list(CURVE_WORDS.values())
     page = show(hash_="#curves=contact[2].y_min.force")
     term = page.locator("#outputs-over-time dt.of-curve")
     assert term.inner_text() == "point 2 at the floor"
@@ -81,8 +81,8 @@ def test_an_angle_is_drawn_in_degrees(show, result):
     value, unit = page.locator("#outputs-over-time dd").inner_text().split("\u202f")
     assert unit == "°"
     assert page.locator("#outputs-over-time .curve-unit").inner_text() == "angle, °"
-    known = np.degrees(np.interp(0.9, result.time, result["joint[2].angle"]))
-    assert float(value.replace("\u2212", "-")) == pytest.approx(known, rel=5e-3)
+    expected = np.degrees(np.interp(0.9, result.time, result["joint[2].angle"]))
+    assert float(value.replace("\u2212", "-")) == pytest.approx(expected, rel=5e-3)
 
 
 def test_the_values_of_one_quantity_have_the_same_decimals(show):
@@ -95,7 +95,7 @@ def test_the_values_of_one_quantity_have_the_same_decimals(show):
     assert not any(text.startswith("\u22120.000\u202f") for text in heights)
 
 
-WRITTEN = {
+VALUE_TEXTS = {
     "point[1].y": ([2.1, 0.5], "0.500"),
     "point[2].y": ([0.03, -0.02], "\u22120.020"),
     "contact[2].y_min.penetration": ([4e-4, 3.217e-4], "0.0003217"),
@@ -106,10 +106,10 @@ WRITTEN = {
 
 
 def test_each_quantity_has_the_decimals_of_its_largest_value(script):
-    """The curves of a number of points are one quantity."""
-    curves = [{"name": name, "values": values} for name, (values, _) in WRITTEN.items()]
+    """The curves of one output of several points are one quantity."""
+    curves = [{"name": name, "values": values} for name, (values, _) in VALUE_TEXTS.items()]
     ask = "(curves) => writersOf(curves).map((written, k) => written(curves[k].values[1]))"
-    assert script.evaluate(ask, curves) == [text for _, text in WRITTEN.values()]
+    assert script.evaluate(ask, curves) == [text for _, text in VALUE_TEXTS.values()]
 
 
 @pytest.mark.parametrize(
@@ -144,8 +144,8 @@ def test_a_view_of_one_impact_has_its_peak_and_a_pinned_curve(show, result):
     impact = result.impacts[0]
     unit = page.locator("#outputs-over-time .curve-unit")
     assert unit.inner_text() == "force, kN", "as in the chart of the contact"
-    shown = 1e3 * shown_value(page, "contact[2].y_min.force") / impact["peak_force"]
-    assert shown == pytest.approx(1.0, abs=0.01), "the largest force"
+    share = 1e3 * shown_value(page, "contact[2].y_min.force") / impact["peak_force"]
+    assert share == pytest.approx(1.0, abs=0.01), "the largest force"
     assert page.text_content("#outputs-impact") == page.text_content("#contact-name").split(",")[0]
     charts = page.locator("#outputs-over-time .u-over").first
     box = charts.bounding_box()
@@ -160,9 +160,11 @@ def test_a_view_of_one_impact_has_its_peak_and_a_pinned_curve(show, result):
     soft = {"contact.stiffness": 1e7}
     lower = simulate(load_scene("four_link_box").with_values(soft)).impacts
     page.evaluate("values => chainImpact.show(values)", soft)
-    until_told(page, f"{len(lower)} impacts")
+    until_text(page, f"{len(lower)} impacts")
     rows = [page.evaluate(ROWS, ["outputs-over-time", colour]) for colour in ("pin-1", "input-1")]
-    heights = [max(rows[1]) - min(found) for found in rows]  # above 0, on which the letter of a pin stands
+    heights = [
+        max(rows[1]) - min(rows_of_curve) for rows_of_curve in rows
+    ]  # above 0, on which the letter of a pin stands
     assert heights[0] / heights[1] == pytest.approx(impact["peak_force"] / lower[0]["peak_force"], rel=0.1)
 
 
@@ -183,7 +185,7 @@ def test_the_time_counts_from_the_impact_where_two_have_the_same_view(show):
 
 def test_the_axis_of_a_count_has_whole_numbers(show):
     page = show("rod_drop", {"simulation.stop_time": 0.33}, hash_="#curves=impact.count")
-    until(page, f"{SHOWN}.join() === 'impact.count'")
+    until(page, f"{CHART_NAMES}.join() === 'impact.count'")
     numbers = [text for text, place in page.evaluate(TEXTS) if place < 0.0]
     assert numbers == ["0", "1"]
 
@@ -192,7 +194,7 @@ def test_an_output_that_stays_0_is_told_and_has_the_tick_0_alone(show):
     changes = {"simulation.stop_time": 0.2}
     assert not simulate(load_scene("rod_drop").with_values(changes))["contact[0].y_min.force"].any()
     page = show("rod_drop", changes, hash_="#curves=contact[0].y_min.force")
-    until(page, f"{SHOWN}.join() === 'contact[0].y_min.force'")
+    until(page, f"{CHART_NAMES}.join() === 'contact[0].y_min.force'")
     assert page.locator("#outputs-over-time dd").inner_text() == "always 0\u202fN"
     assert [text for text, place in page.evaluate(TEXTS) if place < 0.0] == ["0"]
     page.evaluate("chainImpact.show({'initial.y': 0.05})")
@@ -200,16 +202,16 @@ def test_an_output_that_stays_0_is_told_and_has_the_tick_0_alone(show):
 
 
 def test_the_kernel_gives_only_chosen_outputs_with_the_peaks_of_impacts(worker, result):
-    given = {"module": packed_module(), **page_contents(load_scene("four_link_box"))}
-    assert worker.evaluate(MOTION, {**given, "curves": []})["names"] == []
+    arguments = {"module": packed_module(), **page_contents(load_scene("four_link_box"))}
+    assert worker.evaluate(MOTION, {**arguments, "curves": []})["names"] == []
     names = [f"contact[{point}].y_min.force" for point in range(5)]
-    found = worker.evaluate(MOTION, {**given, "curves": names})
-    assert found["names"] == names
+    motion = worker.evaluate(MOTION, {**arguments, "curves": names})
+    assert motion["names"] == names
     floor = result.impacts[result.impacts["wall"] == result.scene.wall_names.index("y_min")]
     peaks = [floor["peak_force"][floor["point"] == point].max(initial=0.0) for point in range(5)]
-    assert found["most"] == pytest.approx(peaks, rel=2e-3)
-    assert found["rows"] > found["frames"]
-    assert found["gap"] < 1.001 * result.scene.simulation.stop_time / 1000, "two rows for a pixel of a chart"
+    assert motion["largest"] == pytest.approx(peaks, rel=2e-3)
+    assert motion["rows"] > motion["frames"]
+    assert motion["gap"] < 1.001 * result.scene.simulation.stop_time / 1000, "two rows for a pixel of a chart"
 
 
 @pytest.mark.parametrize(
@@ -230,18 +232,18 @@ def test_curves_of_a_pin_are_pale_unless_each_output_has_a_chart(show):
     page = show()
     page.get_by_role("button", name="Chart…").click()
     page.get_by_role("button", name="Forces at the floor").click()
-    until(page, f"{SHOWN}.length === 5")
+    until(page, f"{CHART_NAMES}.length === 5")
     at_impact = page.get_by_role("button", name="At impact", include_hidden=True)
     assert at_impact.get_attribute("aria-pressed") == "true", "forces alone show one impact"
     page.get_by_role("button", name="Remove all").click()
     until(page, "document.getElementById('outputs-card').hidden")
     page.get_by_role("button", name="Joint angles").click()
-    until(page, f"{SHOWN}.length === 3")
+    until(page, f"{CHART_NAMES}.length === 3")
     assert at_impact.get_attribute("aria-pressed") == "false"
     page.keyboard.press("Escape")
     page.get_by_role("button", name="Pin").click()
     page.evaluate("chainImpact.show({'contact.restitution': 0.4})")
-    until_told(page, impacts_of({"contact.restitution": 0.4}))
+    until_text(page, impacts_of({"contact.restitution": 0.4}))
     badges = page.evaluate(PIXELS, ["outputs-over-time", "pin-1"])
     assert badges > 100
     note = page.locator("#outputs-note")
@@ -265,33 +267,33 @@ def test_charts_are_high_enough_for_their_numbers(show, script):
     page = show("cart_pole", hash_="#curves=point[1].y,link[1].angle", viewport=DESK)
     page.get_by_role("button", name="Pin").click()
     heights = page.locator(".curve-chart .u-over").evaluate_all(
-        "charts => charts.filter((one) => one.checkVisibility()).map((one) => one.clientHeight)"
+        "all => all.filter((chart) => chart.checkVisibility()).map((chart) => chart.clientHeight)"
     )
     assert len(heights) == 3  # the inputs and both curves; the card of energies is folded
     assert min(heights) >= 70
     for low, high in ((-5000, 15000), (-0.1, 1.7), (-12.0, 7.0)):
         for height in (92, 104, 178):
             ticks = script.evaluate("([...of]) => ticksUpwards(...of)", [{"height": height}, low, high])
-            apart = np.diff(ticks) * (height - 34) / (high - low)
+            distances = np.diff(ticks) * (height - 34) / (high - low)
             assert len(ticks) > 1
-            assert apart.min() > 11, "the numbers have letters of 11 pixels"
+            assert distances.min() > 11, "the numbers have letters of 11 pixels"
 
 
 @pytest.mark.parametrize(
-    ("model", "seen", "faint"),
+    ("model", "visible", "faint"),
     [("bouncing_table", ["dissipated", "supplied"], []), ("shaken_pendulum", [], ["kinetic", "total"])],
 )
-def test_no_energy_hides_another(show, model, seen, faint):
+def test_no_energy_hides_another(show, model, visible, faint):
     """A curve on another has gaps, and a curve that fills an area is faint."""
     page = show(model)
-    count = {name: page.evaluate(PIXELS, ["energy", name]) for name in [*seen, *faint]}
-    assert all(count[name] > 100 for name in seen), count
+    count = {name: page.evaluate(PIXELS, ["energy", name]) for name in [*visible, *faint]}
+    assert all(count[name] > 100 for name in visible), count
     assert all(count[name] < 100 for name in faint), count
 
 
 @pytest.mark.parametrize(("model", "faint"), [("four_link_box", False), ("shaken_pendulum", True)])
 def test_a_curve_is_as_strong_as_its_entry_in_the_list(show, model, faint):
-    """The total energy of the box turns only by round-off, which fills no area."""
+    """The total energy of the box changes its direction only by round-off, which fills no area."""
     page = show(model)
     line = page.locator("#energies dt").filter(has_text="total")
     opacity = line.evaluate("term => Number(getComputedStyle(term, '::before').opacity)")
@@ -303,7 +305,7 @@ def test_a_chart_of_outputs_has_the_values_of_pins_at_the_pointer(show, result):
     page = show(hash_="#curves=point[4].y")
     page.get_by_role("button", name="Pin").click()
     page.evaluate("chainImpact.show({'contact.restitution': 0.4})")
-    until_told(page, impacts_of({"contact.restitution": 0.4}))
+    until_text(page, impacts_of({"contact.restitution": 0.4}))
     box = page.locator("#outputs-over-time .u-over").bounding_box()
     page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
     present, letter, _, value = page.locator("#outputs-over-time dd").all_inner_texts()
@@ -317,14 +319,16 @@ def test_a_chart_of_outputs_has_the_values_of_pins_at_the_pointer(show, result):
 
 
 def test_the_chosen_impact_stays_when_a_chart_is_added(show):
-    """The impact before it lasts while the chosen one has its largest force."""
+    """The first impact still lasts while the second one has its largest force."""
     flat = {"contact.stiffness": 3e3, "initial.angle[1]": 0.02, "initial.y": 0.01, "initial.vy": -2.0}
     page = show("rod_drop", {**flat, "simulation.stop_time": 0.08})
     for number in (1, 2):
         page.get_by_role("button", name=f"Go to impact {number}, ").click()
         page.evaluate(f"location.hash = '#curves=point[{number - 1}].y'")
-        until(page, f"{SHOWN}.join() === 'point[{number - 1}].y'")
-        page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+        until(page, f"{CHART_NAMES}.join() === 'point[{number - 1}].y'")
+        page.evaluate(
+            "() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)))"
+        )
         assert page.text_content("#contact-name").startswith(f"impact {number}: ")
 
 
@@ -332,22 +336,22 @@ def test_a_chart_is_read_by_mouse_and_keys_while_the_motion_stays(show, result):
     page = show()
     time = page.inner_text("#time")
     total = page.locator("#energies div", has=page.get_by_text("total", exact=False)).locator("dd").first
-    before = total.inner_text()
+    energy_text = total.inner_text()
     box = page.locator("#energy .u-over").bounding_box()
     page.mouse.move(box["x"] + 0.75 * box["width"], box["y"] + 0.5 * box["height"])
     assert page.inner_text("#energy .reading") == "1.5000 s"
     energy = np.interp(1.5, result.time, result["energy.total"])
-    shift = float(before) - result["energy.total"][0]
+    shift = float(energy_text) - result["energy.total"][0]
     assert float(total.inner_text().replace("−", "-")) == pytest.approx(energy + shift, abs=0.05)
     page.mouse.move(1, 1)
-    assert (total.inner_text(), page.locator(".reading:visible").count()) == (before, 0)
+    assert (total.inner_text(), page.locator(".reading:visible").count()) == (energy_text, 0)
     page.locator("#force").focus()
     for _ in range(3):
         page.keyboard.press("ArrowRight")
-    later = page.inner_text("#force .reading")
+    later_reading = page.inner_text("#force .reading")
     page.keyboard.press("ArrowLeft")
-    assert page.inner_text("#force .reading") != later
-    assert later.split(": ")[1].endswith("N")
+    assert page.inner_text("#force .reading") != later_reading
+    assert later_reading.split(": ")[1].endswith("N")
     page.keyboard.press("Escape")
     assert page.locator(".reading:visible").count() == 0
     assert page.inner_text("#time") == time
@@ -362,7 +366,7 @@ def test_a_chart_is_read_by_mouse_and_keys_while_the_motion_stays(show, result):
 def test_a_part_in_which_a_curve_turns_seldom_shows_the_curve(show):
     page = show("shaken_pendulum")
     faint = """[...document.querySelectorAll('#inputs-over-time .of-curve')]
-      .map((one) => one.style.getPropertyValue('--opacity')).join()"""
+      .map((element) => element.style.getPropertyValue('--opacity')).join()"""
     assert page.evaluate(faint) == "0.5"
     page.get_by_role("region", name="Inputs").get_by_role("button", name="Enlarge").click()
     page.locator("#inputs-over-time .chart").focus()

@@ -47,7 +47,7 @@ def pinned_arm(tmp_path_factory):
 
 def test_the_page_shows_time_forces_energies_and_the_trace(show_recording, recording):
     page = show_recording()
-    before = pixels(page)
+    picture_before = pixels(page)
     assert [page.locator(kind).count() for kind in (".joint", ".tip")] == [4, 1]
     assert page.locator(".arrow").count() == page.locator(".pin").count() == 0
     press(page, "ArrowRight")
@@ -66,17 +66,17 @@ def test_the_page_shows_time_forces_energies_and_the_trace(show_recording, recor
     assert page.inner_text("#rate") == "real time"
     go_to(page, 0.9)
     names, values = (page.locator(f"#energies {tag}").all_inner_texts() for tag in ("dt", "dd"))
-    shown = dict(zip(names, values, strict=True))
+    energies = dict(zip(names, values, strict=True))
     for name in ("kinetic", "potential", "dissipated", "total"):
         expected = np.interp(0.9, recording.time, recording.columns[f"energy.{name}"])
-        assert float(shown[name]) == pytest.approx(expected, abs=0.02)
+        assert float(energies[name]) == pytest.approx(expected, abs=0.02)
     assert len(page.get_attribute(".trace", "points")) > 1000
     press(page, "t")
     assert len(page.get_attribute(".trace", "points")) < 100
     press(page, "End")
-    after = pixels(page)
-    assert min(count_of(picture, LIGHT_CHAIN) for picture in (before, after)) > 1000
-    assert (abs(before - after).max(axis=-1) > 50).sum() > 2000, "the chain moves"
+    picture_after = pixels(page)
+    assert min(count_of(picture, LIGHT_CHAIN) for picture in (picture_before, picture_after)) > 1000
+    assert (abs(picture_before - picture_after).max(axis=-1) > 50).sum() > 2000, "the chain moves"
 
 
 def lean(page):
@@ -135,8 +135,8 @@ def test_arrows_lean_against_the_motion_and_a_bar_shows_what_sticks(show_recordi
     go_to(page, STICKS)
     assert lean(page) == pytest.approx(0.0, abs=0.01), "it holds the weight"
     assert page.locator(".stick-bar").count() == 2
-    told = [float(re.match(r"[\d.]+", text)[0]) for text in page.locator(".force-text").all_text_contents()]
-    assert told == pytest.approx([0.5 * WEIGHT] * 2, abs=0.01)
+    forces = [float(re.match(r"[\d.]+", text)[0]) for text in page.locator(".force-text").all_text_contents()]
+    assert forces == pytest.approx([0.5 * WEIGHT] * 2, abs=0.01)
     assert page.get_by_text("dotted: friction").is_visible()
     assert "friction" in page.text_content("#energies")
 
@@ -144,22 +144,22 @@ def test_arrows_lean_against_the_motion_and_a_bar_shows_what_sticks(show_recordi
 def test_forces_in_joints_are_arrows_with_a_key(show_recording):
     recording = record_slowly(load_scene("pinned_arm").with_values({"outputs.loads": True}))
     page, forces = show_recording(recording), np.array(list(recording.joint_forces.values()))
-    (told,) = page.locator("#impacts tbody td:last-child").all_inner_texts()
-    assert told == f"{recording.impacts['joint_force'][0]:.0f}"
+    (text,) = page.locator("#impacts tbody td:last-child").all_inner_texts()
+    assert text == f"{recording.impacts['joint_force'][0]:.0f}"
     assert page.inner_text("#impacts th:last-child") == "in joint, N"
-    ground, *keys = (one.bounding_box() for one in page.locator(".key-ground, .key").all())
+    ground, *keys = (mark.bounding_box() for mark in page.locator(".key-ground, .key").all())
     assert all(ground["x"] <= key["x"] for key in keys), "walls are not seen behind the legend"
     sizes = np.hypot(forces[..., 0], forces[..., 1])
     joint, row = np.unravel_index(sizes.argmax(), sizes.shape)
     go_to(page, recording.time[row])
     assert page.locator(".key").all_text_contents() == ["➝ joint", "➝ wall"]
     assert page.locator("line.arrow.load").count() == len(recording.joint_forces) == 2
-    told = page.text_content(".force-text.load")
-    assert float(re.match(r"[\d.]+", told)[0]) == pytest.approx(sizes.max(), rel=0.02)
+    text = page.text_content(".force-text.load")
+    assert float(re.match(r"[\d.]+", text)[0]) == pytest.approx(sizes.max(), rel=0.02)
     arrow = page.locator("line.arrow.load").nth(joint)
     x1, y1, x2, y2 = (float(arrow.get_attribute(name)) for name in ("x1", "y1", "x2", "y2"))
-    along, up = forces[joint, row]
-    assert math.atan2(y1 - y2, x2 - x1) == pytest.approx(math.atan2(up, along), abs=0.02)
+    force_x, force_y = forces[joint, row]
+    assert math.atan2(y1 - y2, x2 - x1) == pytest.approx(math.atan2(force_y, force_x), abs=0.02)
 
 
 def test_a_full_dot_shows_a_joint_that_sticks(show_recording):
@@ -197,10 +197,10 @@ def test_the_scale_bar_is_free_and_a_pinned_base_has_ground(show_recording, pinn
         press(page, "Home")
         joint = page.locator(".joint").first.bounding_box()
         lines = [line.bounding_box() for line in page.locator(".pin").all()]
-        left, right = min(b["x"] for b in lines), max(b["x"] + b["width"] for b in lines)
-        assert (left + right) / 2 == pytest.approx(joint["x"] + joint["width"] / 2, abs=3.0)
-        below = joint["y"] + joint["height"]
-        assert max(b["y"] + b["height"] for b in lines) < below, "the ground is above a hanging chain"
+        left_end, right_end = min(b["x"] for b in lines), max(b["x"] + b["width"] for b in lines)
+        assert (left_end + right_end) / 2 == pytest.approx(joint["x"] + joint["width"] / 2, abs=3.0)
+        joint_bottom = joint["y"] + joint["height"]
+        assert max(b["y"] + b["height"] for b in lines) < joint_bottom, "the ground is above a hanging chain"
         press(page, "End")
         bar, trace, mark = (page.locator(kind).first.bounding_box() for kind in (".bar", ".trace", ".pin"))
         lowest = bar["y"] + bar["height"]
@@ -271,15 +271,15 @@ def test_the_ruler_of_forces_is_apart_from_the_scale_bar(show_recording, model):
 
 def test_no_scale_bar_reaches_into_the_key(show_recording):
     scene = load_scene("pinned_arm").with_values({"outputs.loads": True})
-    page, seen = show_recording(record_slowly(scene), viewport={"width": 260, "height": 600}), set()
+    page, bar_counts = show_recording(record_slowly(scene), viewport={"width": 260, "height": 600}), set()
     for width in (260, 300, 420, 1100):
         page.set_viewport_size({"width": width, "height": 600})
         press(page, "ArrowRight")
         bars = [bar.bounding_box() for bar in page.locator("polyline.bar").all()]
         assert all(bar["x"] + bar["width"] <= page.locator(".key-ground").bounding_box()["x"] for bar in bars)
         assert page.locator(".bar-text").count() == len(bars)
-        seen.add(len(bars))
-    assert seen == {0, 1}
+        bar_counts.add(len(bars))
+    assert bar_counts == {0, 1}
 
 
 def test_no_force_is_written_on_the_rail_of_a_slider(show_recording):
@@ -296,9 +296,11 @@ def test_no_force_is_written_on_the_rail_of_a_slider(show_recording):
     assert texts
     numbers = page.locator("#scene .point-number").all_text_contents()
     assert {"min −0.4\u202fm", "max 0.4\u202fm"} <= set(numbers), "positions of the carriage at its stops"
-    notes = [one.bounding_box() for one in page.locator("#scene .rail-note").all()]
-    assert max(one["y"] + one["height"] for one in notes) < bar["y"], "the pole hangs below the rail"
-    shapes = page.locator("#scene :is(.link, .rail-note)").evaluate_all("all => all.map(one => one.tagName)")
+    notes = [note.bounding_box() for note in page.locator("#scene .rail-note").all()]
+    assert max(note["y"] + note["height"] for note in notes) < bar["y"], "the pole hangs below the rail"
+    shapes = page.locator("#scene :is(.link, .rail-note)").evaluate_all(
+        "all => all.map(element => element.tagName)"
+    )
     assert shapes[-2:] == ["text", "text"], "texts are in front of the pole"
 
 
@@ -317,8 +319,12 @@ def test_a_force_with_friction_says_so_beside_its_arrow(show_recording):
     page.get_by_role("button", name="Go to impact 4, ").click()
     assert re.fullmatch(r"[\d.]+\skN with friction", page.text_content(".force-text"))
     name = page.locator("#contact-name")
-    assert name.evaluate("one => one.scrollWidth <= one.clientWidth"), "no word of the contact is cut"
-    legend, button = (page.locator(one).bounding_box() for one in ("#contact-legend", "#force-loop"))
+    assert name.evaluate("element => element.scrollWidth <= element.clientWidth"), (
+        "no word of the contact is cut"
+    )
+    legend, button = (
+        page.locator(selector).bounding_box() for selector in ("#contact-legend", "#force-loop")
+    )
     assert legend["x"] + legend["width"] < button["x"]
 
 

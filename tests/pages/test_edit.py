@@ -21,7 +21,7 @@ from chain_impact.variables.structure import structure_of
 from tests.helpers.campaigns import random_scenes
 from tests.pages.in_pages import page_contents
 from tests.pages.javascript import function_of
-from tests.pages.scene_texts import BODIES, WRITTEN
+from tests.pages.scene_texts import BODIES, WRITTEN_SCENE
 
 RECORD = function_of("edit", "recordInPage")
 
@@ -34,21 +34,27 @@ def record_in_page(script, scene, text="", contents=None):
     return script.evaluate(RECORD, [page_contents(scene)["kit"], text, contents])
 
 
-def assert_as_python(found, scene):
+def assert_as_python(result, scene):
     """Assert that the record, the parameters and the outputs are equal to those of the FMU."""
-    prepared = PreparedScene(scene)
-    record = prepared.new_instance([])
-    np.testing.assert_array_equal([int(word) for word in found["words"]], record.view(np.int64))
-    columns = [[output.name, prepared.word_of(output), output.unit] for output in prepared.outputs]
-    assert found["columns"] == columns
-    inputs = [driven for driven in prepared.inputs if driven.record_path[0] != "given_channel"]
-    assert found["still"] == [driven.name for driven in prepared.inputs if driven not in inputs]
-    known = [
-        [one.name, prepared.table_row(one).set_word, float(prepared.start_text(one))]
-        for one in (*prepared.parameters, *inputs)
+    prepared_scene = PreparedScene(scene)
+    record = prepared_scene.new_instance([])
+    np.testing.assert_array_equal([int(word) for word in result["words"]], record.view(np.int64))
+    columns = [
+        [output.name, prepared_scene.word_of(output), output.unit] for output in prepared_scene.outputs
+    ]
+    assert result["columns"] == columns
+    inputs = [variable for variable in prepared_scene.inputs if variable.record_path[0] != "given_channel"]
+    assert result["still"] == [variable.name for variable in prepared_scene.inputs if variable not in inputs]
+    expected = [
+        [
+            parameter.name,
+            prepared_scene.table_row(parameter).set_word,
+            float(prepared_scene.start_text(parameter)),
+        ]
+        for parameter in (*prepared_scene.parameters, *inputs)
     ]
     times = [[name, -1, scene.values[name]] for name in ("simulation.stop_time", "simulation.step_size")]
-    assert [[name, word, float(start)] for name, word, start in found["parameters"]] == known + times
+    assert [[name, word, float(start)] for name, word, start in result["parameters"]] == expected + times
 
 
 @pytest.mark.full("more cases", but=8)
@@ -69,7 +75,9 @@ def test_the_contents_of_a_random_scene_make_its_record(script, seed):
 
 @pytest.mark.full("more cases", but=10)
 @pytest.mark.parametrize(
-    "source", [*model_names(), *range(10), WRITTEN, *BODIES.values()], ids=lambda source: str(source)[:20]
+    "source",
+    [*model_names(), *range(10), WRITTEN_SCENE, *BODIES.values()],
+    ids=lambda source: str(source)[:20],
 )
 def test_the_structure_of_a_scene_is_that_of_python(script, source):
     if isinstance(source, int):
@@ -77,19 +85,22 @@ def test_the_structure_of_a_scene_is_that_of_python(script, source):
     else:
         scene = parse_scene(source, "scene.toml") if "\n" in source else load_scene(source)
     contents = scene_to_dict(scene.with_values({"outputs.sensitivities": []}))
-    known, lists, owners = script.evaluate(STRUCTURE, [page_contents(scene)["kit"], contents])
+    numbers, lists, owners = script.evaluate(STRUCTURE, [page_contents(scene)["kit"], contents])
     structure = structure_of(scene_from_dict(contents, "scene.toml"))
-    assert known == structure.numbers
+    assert numbers == structure.numbers
     assert lists == {name: [*members] for name, members in structure.lists.items()}
     for kind, row in OWNER_KINDS.items():
-        found = structure.owners(kind)
-        wanted = [owner.values | {name: owner.conditions[name] for name in row.conditions} for owner in found]
-        assert owners[kind] == wanted, kind
+        owners_of_kind = structure.owners(kind)
+        expected = [
+            owner.values | {name: owner.conditions[name] for name in row.conditions}
+            for owner in owners_of_kind
+        ]
+        assert owners[kind] == expected, kind
 
 
 def test_a_file_with_everything_makes_the_record_of_its_scene(script):
-    scene = parse_scene(WRITTEN, "written.toml")
-    assert_as_python(record_in_page(script, scene, WRITTEN), scene)
+    scene = parse_scene(WRITTEN_SCENE, "written.toml")
+    assert_as_python(record_in_page(script, scene, WRITTEN_SCENE), scene)
 
 
 @pytest.mark.parametrize("seed", range(0, 40, 4))
@@ -104,11 +115,11 @@ def test_the_page_has_the_tables_of_its_scene_and_no_others(script, tmp_path):
     contents = page_contents(scene)["file"]
     assert contents["signals"]["inputs"]["file"] == "ways.csv"
     assert_as_python(record_in_page(script, scene, contents=contents), scene)
-    for key, other in (("file", "roads.csv"), ("interpolation", "linear"), ("period", 0.5)):
-        changed = deepcopy(contents)
-        changed["signals"]["inputs"][key] = other
+    for key, value in (("file", "roads.csv"), ("interpolation", "linear"), ("period", 0.5)):
+        changed_file = deepcopy(contents)
+        changed_file["signals"]["inputs"][key] = value
         with pytest.raises(JSException, match=r"signals.inputs.file = .* the page does not have this table"):
-            record_in_page(script, scene, contents=changed)
+            record_in_page(script, scene, contents=changed_file)
 
 
 SHAKE = {"input": ["base.y"], "form": "sine", "amplitude": 0.01, "frequency": 20.0}
@@ -147,7 +158,7 @@ def test_outputs_that_are_not_asked_for_are_not_there(script, part):
     assert_as_python(record_in_page(script, scene, contents=scene_to_dict(scene)), scene)
 
 
-def changed(path, value, text=WRITTEN):
+def changed_file(path, value, text=WRITTEN_SCENE):
     """Return the contents of a file with a changed value at a path (None removes the value)."""
     contents = tomllib.loads(text)
     *parents, last = path
@@ -200,17 +211,17 @@ REFUSED = [
 REFUSAL = function_of("edit", "refusalInPage")
 
 
-def refusal_of(script, contents, more=()):
+def refusal_of(script, contents, more_walls=()):
     """Return the sentence of the page on contents, to which walls are added after the check; "" for none."""
-    return script.evaluate(REFUSAL, [page_contents(load_scene("rod_drop"))["kit"], contents, [*more]])
+    return script.evaluate(REFUSAL, [page_contents(load_scene("rod_drop"))["kit"], contents, [*more_walls]])
 
 
-@pytest.mark.parametrize(("path", "value", "told"), REFUSED, ids=[told for *_, told in REFUSED])
-def test_wrong_contents_are_refused_with_key_and_allowed_values(script, path, value, told):
-    contents = changed(path, value)
+@pytest.mark.parametrize(("path", "value", "sentence"), REFUSED, ids=[sentence for *_, sentence in REFUSED])
+def test_wrong_contents_are_refused_with_key_and_allowed_values(script, path, value, sentence):
+    contents = changed_file(path, value)
     with pytest.raises(SceneError):
         scene_from_dict(contents, "written.toml")
-    assert told in refusal_of(script, contents)
+    assert sentence in refusal_of(script, contents)
 
 
 ON_RAIL = [
@@ -219,19 +230,19 @@ ON_RAIL = [
 ]
 
 
-@pytest.mark.parametrize(("path", "value", "told"), ON_RAIL, ids=["reach", "velocity"])
-def test_keys_that_no_slider_allows_are_refused_as_by_python(script, path, value, told):
-    contents = changed(path, value, BODIES["rail"])
-    with pytest.raises(SceneError, match=re.escape(told)):
+@pytest.mark.parametrize(("path", "value", "sentence"), ON_RAIL, ids=["reach", "velocity"])
+def test_keys_that_no_slider_allows_are_refused_as_by_python(script, path, value, sentence):
+    contents = changed_file(path, value, BODIES["rail"])
+    with pytest.raises(SceneError, match=re.escape(sentence)):
         scene_from_dict(contents, "rail.toml")
-    assert told in refusal_of(script, contents)
+    assert sentence in refusal_of(script, contents)
 
 
 def test_no_wall_is_written_beyond_its_room_in_the_record(script):
     """The record has room for as many walls as there are pairs that can touch."""
-    contents = changed(("contact", "points"), [0], BODIES["rail"])
-    across, *parallel = contents["walls"]
-    contents["walls"] = [{**across, "angle": -np.pi / 2}]
+    contents = changed_file(("contact", "points"), [0], BODIES["rail"])
+    first_wall, *parallel = contents["walls"]
+    contents["walls"] = [{**first_wall, "angle": -np.pi / 2}]
     assert refusal_of(script, contents) == ""
-    more = [{"name": wall["name"], "point": wall["point"], "angle": 0.0} for wall in parallel]
-    assert refusal_of(script, contents, more) == "walls: the record has room for 1"
+    more_walls = [{"name": wall["name"], "point": wall["point"], "angle": 0.0} for wall in parallel]
+    assert refusal_of(script, contents, more_walls) == "walls: the record has room for 1"

@@ -13,7 +13,7 @@ import tomlkit
 from chain_impact import load_scene, simulate
 from chain_impact.scene.files.models import scene_file_path
 from chain_impact.scene.scene import scene_to_dict
-from tests.pages.in_pages import LOCAL_LINK, TEXTS, bits, enter, until, until_told
+from tests.pages.in_pages import LOCAL_LINK, TEXTS, bits, enter, until, until_text
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -23,12 +23,12 @@ SPRING = {"damping": 3.0, "stiffness": 40.0, "rest_position": 0.05}
 """Keys of the slider → values that the test of a slider gives."""
 
 
-def downloaded(page, tmp_path, *told):
-    """Return the scene of the file that the page saves; ``told``: what the dialog tells besides."""
+def downloaded(page, tmp_path, *sentences):
+    """Return the scene of the file that the page saves; ``sentences`` follow the usual ones of the dialog."""
     page.keyboard.press("Escape")
     page.get_by_role("button", name="Export…").click()
-    told = " ".join([LOCAL_LINK, "The command needs the scene file: save it first.", *told])
-    assert page.locator("#export-text").inner_text() == told
+    text = " ".join([LOCAL_LINK, "The command needs the scene file: save it first.", *sentences])
+    assert page.locator("#export-text").inner_text() == text
     assert page.locator("#command").input_value().startswith("chain-impact simulate FourLinkBox.toml")
     with page.expect_download() as waiting:
         page.get_by_role("button", name="Scene file", exact=True).click()
@@ -37,14 +37,14 @@ def downloaded(page, tmp_path, *told):
     return load_scene(tmp_path / "edited.toml")
 
 
-def assert_same_motion(page, scene, changed=None):
+def assert_same_motion(page, scene, changes=None):
     """Assert that the page computes, with changed values, the numbers of `simulate` for its saved scene."""
     names, columns, count = page.evaluate(
         f"""async (changed) => {{
           const {{ columns, impacts }} = await chainImpact.simulate(changed);
           return [Object.keys(columns), ({TEXTS})(Object.values(columns)), impacts.length];
         }}""",
-        changed or {},
+        changes or {},
     )
     result = simulate(scene)
     assert count == len(result.impacts)
@@ -60,9 +60,9 @@ def edit(page, name, text):
 
 
 def refusal(page):
-    """Return what the dialog tells, below a row or beside the button that closes it, once."""
-    told = page.locator("#edit :is(.told .refusal span, #edit-text)").all_inner_texts()
-    return "\n".join(filter(None, told))
+    """Return the refusals that the dialog shows, below a row or next to the button that closes it."""
+    texts = page.locator("#edit :is(.told .refusal span, #edit-text)").all_inner_texts()
+    return "\n".join(filter(None, texts))
 
 
 @pytest.mark.parametrize("model", ["four_link_box", "ur5e"])
@@ -74,9 +74,9 @@ def test_a_long_number_fits_into_its_field_and_is_whole_in_the_title(show, model
     room = "fields => fields.map((field) => field.clientWidth - field.scrollWidth)"
     assert min(fields.evaluate_all(room)) >= 0
     inertia = page.locator("#edit").get_by_role("textbox", name="link[1].inertia")
-    given = load_scene(model).chain.links[0].inertia
-    assert float(inertia.get_attribute("title")) == given
-    assert float(inertia.input_value()) == pytest.approx(given, rel=1e-3)
+    expected = load_scene(model).chain.links[0].inertia
+    assert float(inertia.get_attribute("title")) == expected
+    assert float(inertia.input_value()) == pytest.approx(expected, rel=1e-3)
 
 
 def test_added_and_removed_parts_give_the_numbers_of_simulate(show, tmp_path):
@@ -85,7 +85,7 @@ def test_added_and_removed_parts_give_the_numbers_of_simulate(show, tmp_path):
     restitution = page.evaluate("chainImpact.parameters['contact.restitution']")
     page.get_by_role("button", name="Edit…").click()
     page.get_by_role("button", name="Add a link").click()
-    until_told(page, "5 links")
+    until_text(page, "5 links")
     edit(page, "link[5].length", "0.2")
     edit(page, "link[3].joint_max", "80 deg")
     edit(page, "box.x_min", "")
@@ -105,7 +105,7 @@ def test_added_and_removed_parts_give_the_numbers_of_simulate(show, tmp_path):
     page.get_by_role("button", name="Remove link 1").click()
     edit(page, "link[2].joint_max", "")
     page.get_by_role("combobox", name="Base").select_option("pinned")
-    until_told(page, "4 links")
+    until_text(page, "4 links")
     scene = downloaded(page, tmp_path)
     assert (scene.chain.base, scene.walls, scene.stops.exponent) == ("pinned", (), None)
     assert_same_motion(page, scene, {"contact.restitution": restitution})
@@ -114,12 +114,12 @@ def test_added_and_removed_parts_give_the_numbers_of_simulate(show, tmp_path):
 def test_changes_stay_changes_and_pins_are_of_the_scene_before_an_edit(show, tmp_path):
     page = show()
     page.get_by_role("button", name="Pin").click()
-    changed = {"contact.restitution": 0.4, "link[2].mass": 1.5, "link[4].mass": 2.0}
-    page.evaluate("values => chainImpact.show(values)", changed)
+    changes = {"contact.restitution": 0.4, "link[2].mass": 1.5, "link[4].mass": 2.0}
+    page.evaluate("values => chainImpact.show(values)", changes)
     page.get_by_role("button", name="Edit…").click()
     edit(page, "link[2].mass", "3")
     page.get_by_role("button", name="Remove link 4").click()
-    until_told(page, "3 links")
+    until_text(page, "3 links")
     page.get_by_role("button", name="Add a wall").click()
     page.keyboard.press("Escape")
     until(page, "document.querySelectorAll('.pin-text')[1].textContent === 'another scene'")
@@ -136,7 +136,7 @@ def test_changes_stay_changes_and_pins_are_of_the_scene_before_an_edit(show, tmp
     page.get_by_role("button", name="Back to the scene of this page").click()
     until(page, "document.querySelectorAll('.pin-text')[1].textContent === 'as in the scene'")
     page.evaluate(DROP, ["box.toml", scene_file_path("four_link_box").read_text(encoding="utf-8")])
-    until_told(page, "4 links")
+    until_text(page, "4 links")
     assert page.locator(".pin-text").nth(1).inner_text() == "as in the scene", (
         "the same file is the same scene"
     )
@@ -146,11 +146,11 @@ def test_an_edit_keeps_the_motion_before_it_and_reset_all_undoes_it(show):
     page = show()
     page.get_by_role("button", name="Edit…").click()
     page.get_by_role("button", name="Add a link").click()
-    until_told(page, "5 links")
+    until_text(page, "5 links")
     assert page.locator("polyline.compared.before").count() == 1
     page.keyboard.press("Escape")
     page.get_by_role("button", name="Reset all").click()
-    until_told(page, "4 links")
+    until_text(page, "4 links")
     assert page.locator("#reset-all").is_hidden()
 
 
@@ -160,7 +160,7 @@ def test_points_behind_a_removed_link_are_still_those_that_can_touch(show, tmp_p
     page.evaluate(DROP, ["listed.toml", tomlkit.dumps(contents)])
     page.get_by_role("button", name="Edit…").click()
     page.get_by_role("button", name="Remove link 2").click()
-    until_told(page, "3 links")
+    until_text(page, "3 links")
     scene = downloaded(page, tmp_path)
     assert scene.contact.points == (1, 3)
     assert_same_motion(page, scene)
@@ -168,25 +168,25 @@ def test_points_behind_a_removed_link_are_still_those_that_can_touch(show, tmp_p
 
 def test_a_value_that_cannot_be_is_told_and_changes_nothing(show):
     page = show()
-    before = page.evaluate("chainImpact.parameters")
+    parameters = page.evaluate("chainImpact.parameters")
     page.get_by_role("button", name="Edit…").click()
     edit(page, "link[2].mass", "heavy")
     assert refusal(page) == "Not taken: Mass of link 2 = 'heavy' must be a finite number >\xa00 [kg]."
-    assert page.evaluate("chainImpact.parameters") == before
+    assert page.evaluate("chainImpact.parameters") == parameters
     edit(page, "link[2].mass", "3")
     until(page, "chainImpact.parameters['link[2].mass'] === '3'")
     page.get_by_role("button", name="Back to the scene of this page").click()
-    assert page.evaluate("chainImpact.parameters") == before
+    assert page.evaluate("chainImpact.parameters") == parameters
 
 
 def test_an_edit_with_which_no_run_starts_is_told_in_the_dialog_and_undone(show):
     page = show()
     page.keyboard.press("e")
     edit(page, "box.y_max", "50 cm")
-    told = page.locator("#edit").get_by_text("point 0 starts 0.9\u202fm beyond the ceiling")
-    told.wait_for()
+    refusal_text = page.locator("#edit").get_by_text("point 0 starts 0.9\u202fm beyond the ceiling")
+    refusal_text.wait_for()
     page.locator("#edit").get_by_role("button", name="Undo the edit").click()
-    told.wait_for(state="hidden")
+    refusal_text.wait_for(state="hidden")
     assert page.locator("#edit").get_by_role("textbox", name="box.y_max").input_value() == "2.5"
     page.keyboard.press("Escape")
     page.locator("#edit #status").wait_for(state="detached")
@@ -242,7 +242,7 @@ def test_a_dropped_file_replaces_scene_sliders_link_and_map(show, open_page, add
     text = scene_file_path("sliding_rod").read_text(encoding="utf-8")
     page.evaluate(DROP, ["sliding_rod.toml", text])
     scene = load_scene("sliding_rod")
-    until_told(page, f"{len(simulate(scene).impacts)} impact")
+    until_text(page, f"{len(simulate(scene).impacts)} impact")
     assert page.locator("h1").inner_text() == "Sliding rod"
     assert page.evaluate("chainImpact.scene") == "SlidingRod"
     assert page.locator("#description").inner_text() == scene.description
@@ -256,11 +256,11 @@ def test_a_dropped_file_replaces_scene_sliders_link_and_map(show, open_page, add
     page.keyboard.press("Escape")
     page.get_by_role("slider", name="Gravity, y").press("ArrowRight")
     until(page, "location.hash.includes('gravity.y')")
-    other = open_page(address + page.evaluate("location.hash"))
-    until_told(other, "1 link,")
-    assert other.evaluate("chainImpact.parameters") == page.evaluate("chainImpact.parameters")
-    other.evaluate("location.hash = ''")
-    until_told(other, "4 links")
+    linked_page = open_page(address + page.evaluate("location.hash"))
+    until_text(linked_page, "1 link,")
+    assert linked_page.evaluate("chainImpact.parameters") == page.evaluate("chainImpact.parameters")
+    linked_page.evaluate("location.hash = ''")
+    until_text(linked_page, "4 links")
 
 
 NO_SCENES = {
@@ -277,12 +277,12 @@ NO_SCENES = {
 
 def test_a_dropped_file_that_is_no_scene_is_told_and_changes_nothing(show):
     page = show()
-    before = page.evaluate("chainImpact.parameters")
-    for k, (text, told) in enumerate(NO_SCENES.items()):
+    parameters = page.evaluate("chainImpact.parameters")
+    for k, (text, ending) in enumerate(NO_SCENES.items()):
         page.evaluate(DROP, [f"rod_{k}.toml", text])
-        until_told(page, f"rod_{k}.toml cannot be opened: ", "edit-text")
-        assert told in refusal(page)
-        assert page.evaluate("chainImpact.parameters") == before
+        until_text(page, f"rod_{k}.toml cannot be opened: ", "edit-text")
+        assert ending in refusal(page)
+        assert page.evaluate("chainImpact.parameters") == parameters
 
 
 def test_a_valid_text_of_the_scene_acts_and_a_fault_is_told_with_its_line(show):
@@ -296,7 +296,7 @@ def test_a_valid_text_of_the_scene_acts_and_a_fault_is_told_with_its_line(show):
     assert dialog["x"] > view["x"] + 0.9 * view["width"], "the drawing is in sight"
     field.fill(text.replace("restitution = 0.4", "restitutio = 0.4"))
     line = text.split("\n").index("restitution = 0.4") + 1
-    until_told(
+    until_text(
         page,
         f"Not taken: contact.restitutio is unknown; the nearest key is contact.restitution (line {line}).",
         "edit-toml-text",
@@ -312,23 +312,23 @@ def test_a_valid_text_of_the_scene_acts_and_a_fault_is_told_with_its_line(show):
 
 
 def test_an_edit_that_is_taken_back_leaves_no_trace(show):
-    """Link and command are those of before, after edits of the text and of a field."""
+    """Edits of the text and of a field, taken back, leave the link and the command as they were."""
     page = show(hash_="#contact.restitution=0.4")
     page.get_by_role("button", name="Edit…").click()
     mass = page.get_by_role("textbox", name="link[1].mass")
-    known = mass.input_value()
-    for value in ("1.5", known):
+    mass_text = mass.input_value()
+    for value in ("1.5", mass_text):
         enter(page, "link[1].mass", value)
     assert page.evaluate("document.getElementById('edit-first').hidden")
     page.get_by_role("tab", name="Fields").press("ArrowRight")
     field = page.get_by_role("textbox", name="Scene file as text")
     text = field.input_value()
-    count = "document.getElementById('undo').disabled"
-    before = page.evaluate(count)
+    is_undo_disabled = "document.getElementById('undo').disabled"
+    is_disabled = page.evaluate(is_undo_disabled)
     field.fill(f"{text}#")
     page.wait_for_timeout(600)  # the pause after which a text is read
     assert page.evaluate("document.getElementById('edit-first').hidden"), "a comment is no edit"
-    assert page.evaluate(count) == before
+    assert page.evaluate(is_undo_disabled) == is_disabled
     field.fill(text.replace("restitution = 0.4", "restitution = 0.6"))
     until(page, "chainImpact.parameters['contact.restitution'] === '0.6'")
     assert not page.evaluate("document.getElementById('edit-first').hidden")
@@ -346,18 +346,18 @@ def test_a_dropped_file_that_cannot_be_read_is_told(show):
     page = show()
     page.evaluate("() => { File.prototype.text = () => Promise.reject(new Error('it is a folder')); }")
     page.evaluate(DROP, ["models", ""])
-    until_told(page, "models cannot be opened: it is a folder.", "edit-text")
+    until_text(page, "models cannot be opened: it is a folder.", "edit-text")
 
 
 def test_dropped_text_is_left_to_the_field_that_it_falls_on(show):
     page = show()
-    taken = page.evaluate("""() => {
+    is_taken = page.evaluate("""() => {
       const data = new DataTransfer();
       data.setData("text/plain", "0.5");
       const drop = new DragEvent("drop", { dataTransfer: data, bubbles: true, cancelable: true });
       return !document.body.dispatchEvent(drop);
     }""")
-    assert not taken
+    assert not is_taken
 
 
 def test_bodies_and_sliders_are_edited_and_points_are_dragged(show, tmp_path):
@@ -381,8 +381,8 @@ def test_bodies_and_sliders_are_edited_and_points_are_dragged(show, tmp_path):
     assert_same_motion(page, scene)
     grip = page.get_by_role("button", name="Point 9 (heel): arrow keys move it on its link")
     grip.press("Shift+ArrowUp")
-    moved = page.evaluate("chainImpact.parameters['link[2].point[1].y']")
-    assert moved != 0.08
+    height = page.evaluate("chainImpact.parameters['link[2].point[1].y']")
+    assert height != 0.08
     page.get_by_role("button", name="Edit…").click()
     page.get_by_role("button", name="Remove point 9").click()
     edit(page, "link[1].height", "")

@@ -19,20 +19,20 @@ OUTPUTS = "#curves=point[4].y,impact.count"
 
 
 def enlarge(page, chart):
-    """Enlarge a chart, or the first of several."""
+    """Enlarge the first of the charts of a kind."""
     page.locator(f"section:has({chart}) .enlarge").click()
     until(page, f"document.querySelector('{chart}').clientWidth > 400")
 
 
 def show_enlarged(show, chart):
-    """Return a page with an enlarged chart, or the first of several."""
+    """Return a page in which the first of the charts of a kind is enlarged."""
     page = show(hash_=OUTPUTS)
     enlarge(page, chart)
     return page
 
 
 def zoom_in(page, chart):
-    """Drag over a fifth of an enlarged chart, which then shows this part of the time; return its box."""
+    """Drag over a fifth of an enlarged chart, which then shows this part of the time; return the box."""
     plot = page.locator(f"{chart} .u-over").first.bounding_box()
     left, width, y = plot["x"], plot["width"], plot["y"] + 20
     page.mouse.move(left + 0.2 * width, y)
@@ -48,13 +48,15 @@ def test_an_enlarged_chart_stands_below_a_smaller_motion(show):
     for chart in CHARTS:
         if chart == "#energy":
             page.get_by_role("button", name="Energy", exact=True).click()
-        small, stage = (page.locator(where).first.bounding_box() for where in (chart, "#stage"))
+        chart_box, stage = (page.locator(selector).first.bounding_box() for selector in (chart, "#stage"))
         enlarge(page, chart)
-        plot, below = (page.locator(where).first.bounding_box() for where in (f"{chart} .u-over", "#stage"))
-        assert below["y"] + below["height"] < plot["y"] < stage["y"] + stage["height"], chart
+        plot, smaller_stage = (
+            page.locator(selector).first.bounding_box() for selector in (f"{chart} .u-over", "#stage")
+        )
+        assert smaller_stage["y"] + smaller_stage["height"] < plot["y"] < stage["y"] + stage["height"], chart
         page.keyboard.press("Escape")
         until(page, f"document.querySelector('{chart}').clientWidth < 400")
-        assert page.locator(chart).first.bounding_box() | {"y": 0} == small | {"y": 0}, chart
+        assert page.locator(chart).first.bounding_box() | {"y": 0} == chart_box | {"y": 0}, chart
 
 
 def test_a_drag_and_keys_show_a_part_of_the_time(show):
@@ -81,9 +83,9 @@ def test_charts_of_outputs_show_the_same_part_and_tell_the_present_values(show):
 
 def test_a_click_into_a_part_of_the_time_goes_there(show):
     page = show_enlarged(show, "#energy")
-    plot, before = zoom_in(page, "#energy"), page.locator("#time").inner_text()
+    plot, time_text = zoom_in(page, "#energy"), page.locator("#time").inner_text()
     page.mouse.click(plot["x"] + 0.5 * plot["width"], plot["y"] + 20)
-    until(page, f"document.getElementById('time').textContent !== '{before}'")
+    until(page, f"document.getElementById('time').textContent !== '{time_text}'")
     assert time_of(page) == pytest.approx(0.6, abs=0.01)
 
 
@@ -101,5 +103,5 @@ def test_an_enlarged_list_of_impacts_has_more_columns(show, result):
     heads, row = page.locator("#impacts thead th"), page.locator("#impacts tbody tr").first.locator("td")
     assert heads.all_inner_texts()[-3:] == ["duration, ms", "penetration, mm", "impulse, N·s"]
     first = result.impacts[0]
-    known = [1e3 * first["duration"], 1e3 * first["max_penetration"], first["impulse"]]
-    assert [float(text) for text in row.all_inner_texts()[-3:]] == pytest.approx(known, rel=5e-3)
+    expected = [1e3 * first["duration"], 1e3 * first["max_penetration"], first["impulse"]]
+    assert [float(text) for text in row.all_inner_texts()[-3:]] == pytest.approx(expected, rel=5e-3)

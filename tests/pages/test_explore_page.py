@@ -14,12 +14,12 @@ import numpy as np
 import pytest
 
 from chain_impact import explore, load_scene, simulate
-from tests.pages.in_pages import DESK, PHONE, PIXELS, go_to, impacts_of, resize, until, until_told
+from tests.pages.in_pages import DESK, PHONE, PIXELS, go_to, impacts_of, resize, until, until_text
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
-MANY = function_of("explore_page", "many")
+MEMORY_OF_RUNS = function_of("explore_page", "memoryOfRuns")
 
 
 @pytest.fixture
@@ -49,38 +49,38 @@ def test_a_run_that_fails_says_why_and_shows_what_came_before(show):
     page.evaluate("chainImpact.show({'solver.work_limit': 2000})")
     status = page.locator("#status")
     status.wait_for()
-    told = r"^With Work limit of solver = 2000\s1/s, the simulation stopped at t = 1\.6215\d*\ss\. "
-    assert re.search(told, status.inner_text())
+    pattern = r"^With Work limit of solver = 2000\s1/s, the simulation stopped at t = 1\.6215\d*\ss\. "
+    assert re.search(pattern, status.inner_text())
     status.get_by_text("Why").click()
     reason = status.locator("details p").inner_text()
     assert reason.startswith("A second of simulated time takes more evaluations than Work limit of solver ")
     assert reason.endswith(" Raise Work limit of solver, loosen Solver tolerance, or lower Stiffness.")
     page.evaluate("chainImpact.show({'initial.y': -3})")
-    until_told(page, "cannot start", "status")
+    until_text(page, "cannot start", "status")
     assert "The simulation cannot start: point 0 starts 3\u202fm beyond the floor." in status.inner_text()
     failed = "chainImpact.simulate({'initial.y': -3}).catch((error) => error.status)"
     assert page.evaluate(failed) == 4
     page.evaluate("chainImpact.show({'initial.y': 1.4})")
-    until_told(page, "stopped", "status")
+    until_text(page, "stopped", "status")
     page.get_by_role("button", name="Reset all").click()
     status.wait_for(state="hidden")
 
 
 def test_keys_and_buttons_do_nothing_while_there_is_no_motion(show):
     page = show(hash_="#initial.y=-3", begins=False)
-    until_told(page, "cannot start", "status")
+    until_text(page, "cannot start", "status")
     for key in ("Space", "ArrowRight", "Home", "End", "Shift+ArrowRight"):
         page.keyboard.press(key)
     page.get_by_role("button", name="Play").click()
     assert page.get_by_label("Speed").input_value() == "1"
     page.evaluate("chainImpact.show({'initial.y': 1.4})")
-    until_told(page, "impacts in")
+    until_text(page, "impacts in")
 
 
 def test_a_change_that_cannot_start_is_undone_alone_and_nothing_plays(show):
     page = show(hash_="#contact.restitution=0.4")
     page.evaluate("chainImpact.show({ 'initial.y': -3 })")
-    until_told(page, "cannot start", "status")
+    until_text(page, "cannot start", "status")
     page.keyboard.press("Space")
     assert page.locator("#play").get_attribute("aria-label") == "Play"
     assert page.locator("footer").evaluate("footer => footer.inert")
@@ -98,7 +98,7 @@ def test_after_a_refusal_the_numbers_of_the_run_before_are_not_shown(show):
     page = show()
     page.get_by_role("button", name="Pin").click()
     page.evaluate("chainImpact.show({ 'box.y_min': 1.5 })")
-    until_told(page, "point 0 starts 0.1\u202fm beyond the floor.", "status")
+    until_text(page, "point 0 starts 0.1\u202fm beyond the floor.", "status")
     page.get_by_role("button", name="Undo the change of Position of the floor").wait_for()
     numbers = (
         "#impacts",
@@ -134,8 +134,8 @@ def test_a_ratio_of_speeds_above_1_is_told_as_such_and_no_impulse_is_cut(show):
     assert cells.all_inner_texts()[:40] == expected
     pushed = int(np.argmax(ratios))
     title = cells.nth(pushed).get_attribute("title")
-    told, prefix = re.search(r"([\d.]+)\u202f(m?)m/s", title).groups()
-    speed = float(told) * (1e-3 if prefix else 1.0)
+    number, prefix = re.search(r"([\d.]+)\u202f(m?)m/s", title).groups()
+    speed = float(number) * (1e-3 if prefix else 1.0)
     assert speed == pytest.approx(impacts["separation_speed"][pushed], rel=5e-3)
     box = page.locator("#impacts").bounding_box()
     last = page.locator("#impacts tbody tr:first-child td:last-child").bounding_box()
@@ -146,14 +146,16 @@ def test_a_ratio_of_speeds_above_1_is_told_as_such_and_no_impulse_is_cut(show):
 def test_the_list_has_room_for_units_of_stops(show):
     page = show("kneed_leg", hash_="#stop.restitution=0.5")
     page.evaluate("chainImpact.show({'stop.restitution': 0.3})")
-    until_told(page, impacts_of({"stop.restitution": 0.3}, "kneed_leg"))
+    until_text(page, impacts_of({"stop.restitution": 0.3}, "kneed_leg"))
     for size in (PHONE, DESK):
         resize(page, **size)
         assert page.evaluate("impacts.scrollWidth <= impacts.clientWidth"), size
-    largest = page.locator("#impacts tbody tr:first-child td:last-child").inner_text()
+    peak_text = page.locator("#impacts tbody tr:first-child td:last-child").inner_text()
     units = page.locator("#impacts th").all_inner_texts()
     assert units[4] == "speed, rad/s", "one unit for all"
-    assert page.locator("#impacts-before").inner_text().endswith(f" → {largest}\u202f{units[6].split()[-1]}")
+    assert (
+        page.locator("#impacts-before").inner_text().endswith(f" → {peak_text}\u202f{units[6].split()[-1]}")
+    )
     assert page.locator("#impacts tbody tr").first.get_attribute("title") == "Joint 3 at max (point 2)"
 
 
@@ -166,13 +168,15 @@ def test_the_page_within_a_lesson_without_a_worker_and_in_an_old_browser(browser
       return (await chainImpact.simulate({ "initial.y": 1.5 })).columns["point[0].y"][0]; }""")
     assert height == 1.5
     page.goto(f"{server}/rod.html?strict")
-    until_told(page, "The solver cannot work in this browser: ", "status")
+    until_text(page, "The solver cannot work in this browser: ", "status")
     assert not page.evaluate("document.body.classList.contains('computing')")
     page.add_init_script("delete window.DecompressionStream")
     page.goto(f"{server}/rod.html")
     needs = page.get_by_text("It needs JavaScript and a browser of 2023 or later")
     needs.wait_for(state="attached")
-    needs.evaluate("(status) => status.getAnimations().forEach((one) => one.finish())")  # which waits for 4 s
+    needs.evaluate(
+        "(status) => status.getAnimations().forEach((animation) => animation.finish())"
+    )  # which waits for 4 s
     assert needs.is_visible()
     page.close()
 
@@ -185,9 +189,9 @@ def test_the_page_stays_within_the_screen(show):
         assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), size
         assert page.locator("#scene").is_visible()
         play = page.get_by_role("button", name="Play")
-        stage, below = page.locator("#view").bounding_box(), play.bounding_box()
-        assert below["y"] + below["height"] <= size["height"]
-        assert min(below["y"], stage["y"] + stage["height"]) - stage["y"] > 100, "the motion is in sight"
+        view, button_box = page.locator("#view").bounding_box(), play.bounding_box()
+        assert button_box["y"] + button_box["height"] <= size["height"]
+        assert min(button_box["y"], view["y"] + view["height"]) - view["y"] > 100, "the motion is in sight"
         play.click()
         page.get_by_role("button", name="Pause").click()
 
@@ -204,9 +208,9 @@ def test_keys_move_grips_and_points_are_numbered(show):
     for spoken, name in names.items():
         page.get_by_role("button", name=spoken).focus()
         for _ in range(2):
-            before = float(page.evaluate("chainImpact.parameters")[name])
+            value = float(page.evaluate("chainImpact.parameters")[name])
             page.keyboard.press("ArrowRight")
-            until(page, f"Number(chainImpact.parameters['{name}']) !== {before}")
+            until(page, f"Number(chainImpact.parameters['{name}']) !== {value}")
             until(page, f"document.activeElement.getAttribute('aria-label') === '{spoken}'")
 
 
@@ -255,10 +259,10 @@ def test_the_list_has_speed_ratios_and_the_chart_has_the_force_loop(show):
 
 
 def test_many_runs_leave_the_memory_as_it_was(show):
-    before, after, holding, same, _ = show().evaluate(MANY)
-    assert same
-    assert after - before < 0.4e6  # 1000 bytes per run
-    assert holding - after > 5e6  # a leak of 8 MB would be detected here
+    size_before, size_after, size_with_leak, is_same, _ = show().evaluate(MEMORY_OF_RUNS)
+    assert is_same
+    assert size_after - size_before < 0.4e6  # 1000 bytes per run
+    assert size_with_leak - size_after > 5e6  # a leak of 8 MB would be detected here
 
 
 def test_a_long_run_does_not_freeze_the_page_and_gives_way_to_the_next(show):
@@ -269,7 +273,7 @@ def test_a_long_run_does_not_freeze_the_page_and_gives_way_to_the_next(show):
     assert frames < 400  # ms, on a busy machine
     page.get_by_role("button", name="Reset all").click()
     until(page, "!document.body.classList.contains('computing')")
-    until_told(page, "14 impacts in 2 s")
+    until_text(page, "14 impacts in 2 s")
 
 
 @pytest.mark.parametrize("changes", ["", "#simulation.stop_time=0.1"])
@@ -324,8 +328,8 @@ def test_only_inputs_that_nothing_sets_are_told_to_be_0(show):
     assert page.evaluate(names) == ["tip.force.x", "slider.force"]
     value = float(page.evaluate("chainImpact.parameters['slider.force']"))
     assert value > 0
-    shown = page.locator("#inputs-over-time dd").last.inner_text().split("\u202f")
-    assert (float(shown[0]), shown[1]) == (value, "N")
+    shown_value = page.locator("#inputs-over-time dd").last.inner_text().split("\u202f")
+    assert (float(shown_value[0]), shown_value[1]) == (value, "N")
     page.evaluate("chainImpact.show({ 'tip.force.y': 0.1 })")
     until(page, "document.querySelector('.inputs summary').textContent.trim() === 'Inputs'")
     page.get_by_role("button", name="Reset all").click()
@@ -339,7 +343,7 @@ def test_the_slider_of_the_restitution_ends_where_the_law_does(show):
     slider = page.get_by_role("slider", name="Restitution")
     slider.press("Home")
     until(page, "chainImpact.parameters['contact.restitution'] === '0.0025'")
-    until_told(page, impacts_of({"contact.restitution": 0.0025}))
+    until_text(page, impacts_of({"contact.restitution": 0.0025}))
     assert not page.locator("#status").is_visible()
     slider.press("End")
     until(page, "chainImpact.parameters['contact.restitution'] === '1'")
@@ -354,8 +358,8 @@ def test_a_rigid_wall_has_a_chart_of_impulses_and_an_arrow(show):
     words = f"{first['impulse']:.2f}\u202fN·s"
     title = page.locator("#contact-name")
     assert title.inner_text().endswith(f", {words}, rigid")
-    whole = "(one) => one.scrollWidth <= one.clientWidth && one.scrollHeight <= one.clientHeight"
-    assert title.evaluate(whole)
+    is_whole = "(text) => text.scrollWidth <= text.clientWidth && text.scrollHeight <= text.clientHeight"
+    assert title.evaluate(is_whole)
     assert page.text_content(".ruler-name") == "force, not impulse (cube root)"
     assert page.inner_text("#contact-quantity") == "Impulses"
     assert page.inner_text("#force .peak") == words
@@ -375,8 +379,8 @@ def test_a_rigid_wall_has_a_chart_of_impulses_and_an_arrow(show):
 def test_a_row_of_an_impact_tells_where_it_is(show):
     page = show()
     first = simulate("four_link_box").impacts[0]
-    told = page.locator("#impacts tbody tr").first.get_attribute("title").replace("−", "-")
-    x, y = map(float, re.fullmatch(r"At x = (\S+)\sm, y = (\S+)\sm", told).groups())
+    position_text = page.locator("#impacts tbody tr").first.get_attribute("title").replace("−", "-")
+    x, y = map(float, re.fullmatch(r"At x = (\S+)\sm, y = (\S+)\sm", position_text).groups())
     assert (x, y) == pytest.approx((first["x"], first["y"]), abs=5.1e-5)
 
 
@@ -391,7 +395,9 @@ def test_the_first_steps_are_marked_until_they_are_taken(show):
     controls = [slider, pin, open_map, idle]
 
     def marked():
-        colours = [one.evaluate("(one) => getComputedStyle(one).backgroundColor") for one in controls]
+        colours = [
+            control.evaluate("(element) => getComputedStyle(element).backgroundColor") for control in controls
+        ]
         return [colour.startswith("color(") for colour in colours]
 
     until(page, "document.querySelector('.idle')")

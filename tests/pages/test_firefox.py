@@ -17,13 +17,13 @@ from tests.tiers import FIREFOX, needs_browser
 
 pytestmark = needs_browser
 # Marionette's scripts cannot use the page's own objects: this code runs a function body inside the page.
-ANSWER = """const [body, done] = arguments;
+ANSWER_CODE = """const [body, done] = arguments;
 const page = window.wrappedJSObject;
 page.eval(`delete window.answer; (async () => { ${body} })()
   .catch((error) => ({ error: String(error) })).then((value) => { window.answer = JSON.stringify(value); })`);
 const look = () => (page.answer === undefined ? setTimeout(look, 10) : done(page.answer));
 look();"""
-UNTIL = "while (!({})) await new Promise((go) => setTimeout(go, 20)); return true;"
+UNTIL_CODE = "while (!({})) await new Promise((go) => setTimeout(go, 20)); return true;"
 
 
 class Firefox:
@@ -32,12 +32,14 @@ class Firefox:
     def __init__(self):
         from marionette_driver.marionette import Marionette
 
-        with socket.socket() as free:
-            free.bind(("127.0.0.1", 0))
-            port = free.getsockname()[1]
+        with socket.socket() as free_socket:
+            free_socket.bind(("127.0.0.1", 0))
+            port = free_socket.getsockname()[1]
         address = {"host": "127.0.0.1", "port": port}
-        still = {"ui.prefersReducedMotion": 1}
-        self.driver = Marionette(**address, bin=FIREFOX, headless=True, gecko_log=os.devnull, prefs=still)
+        preferences = {"ui.prefersReducedMotion": 1}
+        self.driver = Marionette(
+            **address, bin=FIREFOX, headless=True, gecko_log=os.devnull, prefs=preferences
+        )
         self.driver.start_session()
         self.driver.timeout.script = 120
         self.driver.set_window_rect(width=1366, height=900)
@@ -48,13 +50,13 @@ class Firefox:
 
     def answer(self, body):
         """Return the result of a function body in the page."""
-        return json.loads(self.driver.execute_async_script(ANSWER, [body]))
+        return json.loads(self.driver.execute_async_script(ANSWER_CODE, [body]))
 
     def wait(self, condition):
-        assert self.answer(UNTIL.format(condition)) is True
+        assert self.answer(UNTIL_CODE.format(condition)) is True
 
     def middle(self, selector):
-        """Return where an element is, which may be drawn anew at any time."""
+        """Return the middle of an element [pixels], which the page may draw anew at any time."""
         box = f"document.querySelector({json.dumps(selector)}).getBoundingClientRect()"
         return self.answer(
             f"const {{ x, y, width, height }} = {box}; "
@@ -85,17 +87,17 @@ def test_a_run_in_firefox_has_the_bits_of_simulate(firefox, tmp_path, model):
     explore(model, tmp_path / "page.html")
     firefox.open(tmp_path / "page.html")
     changes = {"solver.tolerance": 1e-7}
-    found = firefox.answer(f"""
+    result_in_page = firefox.answer(f"""
       const run = await chainImpact.simulate({json.dumps(changes)});
       const ends = (column) => Array.from(new BigInt64Array(column.slice(-40).buffer), String);
       return {{ rows: run.time.length, impacts: run.impacts.map(({{ onset }}) => onset),
         columns: Object.entries(run.columns).map(([name, column]) => [name, ends(column)]) }};""")
-    known = simulate(load_scene(model).with_values(changes))
-    assert found["rows"] == len(known.time)
-    assert found["impacts"] == known.impacts["onset"].tolist()
-    assert [name for name, _ in found["columns"]] == list(known.columns)
-    for name, ends in found["columns"]:
-        expected = known[name][-40:].astype(np.float64).view(np.int64)
+    result = simulate(load_scene(model).with_values(changes))
+    assert result_in_page["rows"] == len(result.time)
+    assert result_in_page["impacts"] == result.impacts["onset"].tolist()
+    assert [name for name, _ in result_in_page["columns"]] == list(result.columns)
+    for name, ends in result_in_page["columns"]:
+        expected = result[name][-40:].astype(np.float64).view(np.int64)
         assert list(map(int, ends)) == expected.tolist(), name
 
 
@@ -111,23 +113,23 @@ def test_firefox_drags_a_joint_moves_it_by_keys_and_draws_a_map(firefox, tmp_pat
     firefox.find("#reset-all").click()
     firefox.wait(f"Number(chainImpact.parameters['initial.angle[1]']) === {start}")
     firefox.answer("document.querySelector('[data-grip=\"joint 1\"]').focus(); return true;")
-    up = "\ue013"
-    for reached in (0.005, 0.01):
-        firefox.driver.actions.sequence("key", "keyboard").key_down(up).key_up(up).perform()
-        firefox.wait(f"chainImpact.parameters['initial.angle[1]'] > {start} + {reached}")
+    up_arrow = "\ue013"
+    for least_change in (0.005, 0.01):
+        firefox.driver.actions.sequence("key", "keyboard").key_down(up_arrow).key_up(up_arrow).perform()
+        firefox.wait(f"chainImpact.parameters['initial.angle[1]'] > {start} + {least_change}")
     firefox.find("#map-open").click()
     firefox.find("#map-run").click()
     firefox.wait("document.getElementById('map-text').textContent.includes('1681 runs in')")
     pointer = firefox.driver.actions.sequence("pointer", "mouse", {"pointerType": "mouse"})
     pointer.pointer_move(3, 3, origin=firefox.find("#map-canvas")).perform()
-    said = re.search(
+    match = re.search(
         r"Restitution = ([\d.]+), Initial angle of link 1 = ([\d.]+)\s?°: "
         r"Largest force at a wall = ([\d.]+)\s?kN",
         firefox.find("#map-text").text,
     )
-    values = {"contact.restitution": float(said[1]), "initial.angle[1]": np.deg2rad(float(said[2]))}
+    values = {"contact.restitution": float(match[1]), "initial.angle[1]": np.deg2rad(float(match[2]))}
     peaks = simulate(scene.with_values(values)).impacts["peak_force"]
-    assert 1e3 * float(said[3]) == pytest.approx(peaks.max(), rel=1e-3)
+    assert 1e3 * float(match[3]) == pytest.approx(peaks.max(), rel=1e-3)
 
 
 def test_a_link_is_added_in_firefox_and_a_file_opens_where_it_is_dropped(firefox, tmp_path):
@@ -145,5 +147,5 @@ def test_a_link_is_added_in_firefox_and_a_file_opens_where_it_is_dropped(firefox
       return document.body.dispatchEvent(new DragEvent("drop", options));""".replace("`", "")
     )
     firefox.wait("chainImpact.scene === 'Ramp'")
-    found = firefox.answer("return (await chainImpact.simulate()).impacts.map(({ onset }) => onset);")
-    assert found == simulate("ramp").impacts["onset"].tolist()
+    onsets = firefox.answer("return (await chainImpact.simulate()).impacts.map(({ onset }) => onset);")
+    assert onsets == simulate("ramp").impacts["onset"].tolist()

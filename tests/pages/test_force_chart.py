@@ -22,16 +22,16 @@ COURSE = function_of("curves", "course")
 
 def test_a_slow_contact_that_lasts_has_its_peak_in_the_course_of_its_force(worker):
     """The last impact is too slow for slow motion, and lasts until the end."""
-    given = {"module": packed_module(), **page_contents(load_scene("four_link_box"))}
-    found = worker.evaluate(COURSE, {**given, "values": {"contact.restitution": 0.5}})
-    peaks, highest = np.array(found).T
+    arguments = {"module": packed_module(), **page_contents(load_scene("four_link_box"))}
+    courses = worker.evaluate(COURSE, {**arguments, "values": {"contact.restitution": 0.5}})
+    peaks, highest = np.array(courses).T
     assert peaks[-1] < 20.0  # N
     assert highest == pytest.approx(peaks, rel=0.01)
 
 
 def test_a_peak_soon_after_the_onset_of_a_long_contact_has_a_row(worker):
-    given = {"module": packed_module(), **page_contents(load_scene("rocking_block"))}
-    peaks, highest = np.array(worker.evaluate(COURSE, {**given, "values": {}})).T
+    arguments = {"module": packed_module(), **page_contents(load_scene("rocking_block"))}
+    peaks, highest = np.array(worker.evaluate(COURSE, {**arguments, "values": {}})).T
     assert highest[0] == pytest.approx(peaks[0], rel=0.005)
 
 
@@ -44,14 +44,14 @@ def test_the_chart_of_a_force_has_the_number_of_its_peak(show, result):
     text, present = page.locator("#force .peak"), page.locator("#force .now")
     until(page, f"document.querySelector('#force .peak').textContent === '{peak}\u202f{unit}'")
     for onset in result.impacts["onset"][:3]:
-        for later in np.linspace(0.0, 2e-3, 9):  # the line at the present time passes the peak
-            go_to(page, onset + later)
+        for delay in np.linspace(0.0, 2e-3, 9):  # the line at the present time passes the peak
+            go_to(page, onset + delay)
             box, line = text.bounding_box(), present.bounding_box()
             assert line is None or not box["x"] < line["x"] < box["x"] + box["width"]
 
 
 def test_a_contact_that_lasts_is_the_present_one(show):
-    """The card shows its force around the present time, with the force of the arrow in the drawing."""
+    """The card shows the force of the contact around the present time: that of the arrow in the drawing."""
     page = show("pinned_arm", {"initial.angle[1]": np.pi / 3})
     name, row = page.locator("#contact-name"), page.locator("#impacts [aria-current] td")
     go_to(page, 0.438)

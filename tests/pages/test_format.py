@@ -10,7 +10,7 @@ from tests.pages.javascript import function_of
 ROUND_OFF = function_of("format", "roundOff")
 ANGLES = function_of("format", "angles")
 TICKS = "([first, step]) => ticksOf([0, 1, 2, 3].map((k) => first + k * step))"
-BETWEEN = "(ranges) => ranges.map(([low, high]) => ticksBetween(low, high, 3))"
+TICKS_BETWEEN = "(ranges) => ranges.map(([low, high]) => ticksBetween(low, high, 3))"
 
 
 @pytest.mark.parametrize(
@@ -28,7 +28,7 @@ def test_ticks_have_the_digits_that_their_distance_needs(script, first, step, ex
 
 
 @pytest.mark.parametrize(
-    ("typed", "read"),
+    ("text", "expected"),
     [
         ("0,5", "0.5"),
         (" -12,25 deg", " -12.25 deg"),
@@ -44,8 +44,8 @@ def test_ticks_have_the_digits_that_their_distance_needs(script, first, step, ex
         ("hertz", "hertz"),
     ],
 )
-def test_a_decimal_comma_is_a_point_unless_it_may_be_one_of_thousands(script, typed, read):
-    assert script.evaluate("withPoint", typed) == read
+def test_a_decimal_comma_is_a_point_unless_it_may_be_one_of_thousands(script, text, expected):
+    assert script.evaluate("withPoint", text) == expected
 
 
 def test_an_axis_has_three_to_ten_ticks(script):
@@ -55,8 +55,8 @@ def test_an_axis_has_three_to_ten_ticks(script):
         for high in np.linspace(0.1, 9.9, 50)
         for size in (1e-6, 1, 3e3)
     ]
-    found = script.evaluate(BETWEEN, [[float(end) for end in limits] for limits in ranges])
-    for (low, high), ticks in zip(ranges, found, strict=True):
+    ticks_of_ranges = script.evaluate(TICKS_BETWEEN, [[float(end) for end in limits] for limits in ranges])
+    for (low, high), ticks in zip(ranges, ticks_of_ranges, strict=True):
         assert 3 <= len(ticks) <= 10
         assert np.ptp(np.diff(ticks)) == pytest.approx(0.0, abs=1e-6 * (high - low))
         assert low - 1e-6 * abs(low) <= ticks[0] < ticks[-1] <= high * (1 + 1e-6)
@@ -64,20 +64,20 @@ def test_an_axis_has_three_to_ten_ticks(script):
 
 def test_ticks_of_counts_are_whole_numbers_at_equal_distances(script):
     function = "(ranges) => ranges.map((ends) => ticksBetween(...ends, 3, true))"
-    found = script.evaluate(function, [[1, 8], [0, 6], [3, 4], [0, 1.1], [0, 250]])
-    assert found == [[2, 4, 6, 8], [0, 2, 4, 6], [3, 4], [0, 1], [0, 100, 200]]
+    ticks = script.evaluate(function, [[1, 8], [0, 6], [3, 4], [0, 1.1], [0, 250]])
+    assert ticks == [[2, 4, 6, 8], [0, 2, 4, 6], [3, 4], [0, 1], [0, 100, 200]]
 
 
 def test_round_off_of_the_largest_value_is_shown_as_zero(script):
-    found = script.evaluate(ROUND_OFF)
-    assert found == [[[0.5, 0], [1e-11]], [[0]]]
+    texts = script.evaluate(ROUND_OFF)
+    assert texts == [[[0.5, 0], [1e-11]], [[0]]]
 
 
 def test_an_angle_is_shown_in_degrees(script):
-    pairs, turned, half, length = script.evaluate(ANGLES)
-    given, read = zip(*pairs, strict=True)
-    assert read == pytest.approx(given, rel=1e-4)
-    assert (turned, half, length) == ("-25", "28.648", "3.141592653589793")
+    pairs, quarter_text, half_text, length_text = script.evaluate(ANGLES)
+    values, values_from_texts = zip(*pairs, strict=True)
+    assert values_from_texts == pytest.approx(values, rel=1e-4)
+    assert (quarter_text, half_text, length_text) == ("-25", "28.648", "3.141592653589793")
 
 
 def test_a_typed_quantity_may_have_units_and_arithmetic(script):
@@ -90,10 +90,12 @@ def test_a_typed_quantity_may_have_units_and_arithmetic(script):
         ("-1 g", "m/s2", -9.80665), ("2 Nm", "N.m", 2.0), ("2 kNm", "N.m", 2e3), ("3 N m", "N.m", 3.0),
         ("4 Nm/rad", "N.m/rad", 4.0), ("5 kgm²", "kg.m2", 5.0), ("5 g.m2", "kg.m2", 5e-3),
     ]  # fmt: skip
-    wrong = [("45 grad", "rad"), ("2 kg", "m"), ("5 N", "N/m¹·⁵"), ("2 3", "m"), ("", "m")]
-    found = script.evaluate("(cases) => cases.map(([text, unit]) => typed(text, unit))", [*cases, *wrong])
-    assert found[:-5] == pytest.approx([value for *_, value in cases], rel=1e-15)
-    assert found[-5:] == [text for text, _ in wrong]
+    wrong_cases = [("45 grad", "rad"), ("2 kg", "m"), ("5 N", "N/m¹·⁵"), ("2 3", "m"), ("", "m")]
+    values = script.evaluate(
+        "(cases) => cases.map(([text, unit]) => typed(text, unit))", [*cases, *wrong_cases]
+    )
+    assert values[:-5] == pytest.approx([value for *_, value in cases], rel=1e-15)
+    assert values[-5:] == [text for text, _ in wrong_cases]
 
 
 @pytest.mark.parametrize(
@@ -111,8 +113,8 @@ def test_a_typed_quantity_may_have_units_and_arithmetic(script):
     ],
 )
 def test_a_small_speed_or_impulse_has_a_prefix(script, speed, text):
-    told = script.evaluate("speed => speedWithUnit(speed, 'm/s')", speed)
-    assert told.replace("\u202f", " ") == text
+    speed_text = script.evaluate("speed => speedWithUnit(speed, 'm/s')", speed)
+    assert speed_text.replace("\u202f", " ") == text
     impulse = script.evaluate("impulse => impulseText({ impulse, atStop: false })", speed)
     assert impulse.split("\u202f")[1] == text.split()[1].replace("m/s", "N·s")
 
@@ -120,9 +122,9 @@ def test_a_small_speed_or_impulse_has_a_prefix(script, speed, text):
 def test_an_axis_by_decades_has_two_ticks_or_more_however_narrow_it_is(script):
     narrow = [[2.2e6, 4.4e6], [6.1e6, 6.4e6]]
     function = "ranges => ranges.map(([low, high]) => decadesBetween(low, high))"
-    found = script.evaluate(function, [[1e5, 1e11], [2e6, 6e7], *narrow])
-    assert found[:2] == [[10.0**power for power in range(5, 12)], [2e6, 5e6, 1e7, 2e7, 5e7]]
-    for (low, high), ticks in zip(narrow, found[2:], strict=True):
+    ticks_of_ranges = script.evaluate(function, [[1e5, 1e11], [2e6, 6e7], *narrow])
+    assert ticks_of_ranges[:2] == [[10.0**power for power in range(5, 12)], [2e6, 5e6, 1e7, 2e7, 5e7]]
+    for (low, high), ticks in zip(narrow, ticks_of_ranges[2:], strict=True):
         assert len(ticks) > 1
         assert low <= min(ticks) < max(ticks) <= high
 
@@ -148,17 +150,17 @@ def test_the_list_of_impacts_shortens_the_names_of_stops_only(script, wall, text
     ],
 )
 def test_a_wall_of_the_box_is_a_floor_only_where_gravity_points_down(script, wall, gravity, text):
-    given = [wall, {"gravity.x": gravity[0], "gravity.y": gravity[1]}]
+    arguments = [wall, {"gravity.x": gravity[0], "gravity.y": gravity[1]}]
     function = "([wall, values]) => boxWallText(wall, (name) => values[name]) ?? null"
-    assert script.evaluate(function, given) == text
+    assert script.evaluate(function, arguments) == text
 
 
 @pytest.mark.parametrize(
-    ("what", "text"),
+    ("part", "text"),
     [("point 2", "2"), ("point 4 (toe)", "toe"), ("point 12 (a (b))", "a (b)"), ("joint 3", "joint 3")],
 )
-def test_a_list_has_short_words_for_what_touches(script, what, text):
-    assert script.evaluate("what => touchingPartText({ what })", what) == text
+def test_a_list_has_short_words_for_what_touches(script, part, text):
+    assert script.evaluate("what => touchingPartText({ what })", part) == text
 
 
 @pytest.mark.parametrize(

@@ -4,19 +4,18 @@
 
 import pytest
 
-from tests.pages.in_pages import enter, go_to, until, until_told
+from tests.pages.in_pages import ADVANCE_CLOCK, enter, go_to, until, until_text
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
-NAMES = "all => all.map((one) => one.textContent.replaceAll('\\u200b', ''))"
+NAMES = "all => all.map((element) => element.textContent.replaceAll('\\u200b', ''))"
 OPENED = f"title => (title.click(), ({NAMES})([...document.querySelectorAll('.key')]))"
-COLOUR = "one => getComputedStyle(one).color"
-LATER = "performance.now = ((now) => () => now() + 900)(performance.now.bind(performance))"
+COLOUR = "element => getComputedStyle(element).color"
 PRESENT = "chainImpact.parameters['contact.restitution']"
 
 
 def change(page, restitution):
-    page.evaluate(LATER)  # changes at shorter intervals count as one
+    page.evaluate(ADVANCE_CLOCK)  # changes at shorter intervals count as one
     page.evaluate(f"chainImpact.show({{'contact.restitution': {restitution}}})")
 
 
@@ -26,11 +25,11 @@ def test_keys_undo_and_redo_one_change_after_the_other(show, modifier):
     assert page.locator("#undo").is_hidden()
     change(page, 0.5)
     change(page, 0.4)
-    seen = []
+    values = []
     for key in ("z", "z", "z", "Shift+z", "Shift+z", "Shift+z", "z"):
         page.keyboard.press(f"{modifier}+{key}")
-        seen.append(page.evaluate(PRESENT))
-    assert seen == ["0.5", "0.6", "0.6", "0.5", "0.4", "0.4", "0.5"]
+        values.append(page.evaluate(PRESENT))
+    assert values == ["0.5", "0.6", "0.6", "0.5", "0.4", "0.4", "0.5"]
     change(page, 0.3)
     page.keyboard.press(f"{modifier}+Shift+z")
     assert page.evaluate(PRESENT) == "0.3", "a new change leaves nothing to redo"
@@ -64,18 +63,18 @@ def test_undo_takes_the_thumb_of_a_slider_with_the_focus_back(show, model):
     assert slider.input_value() != first
     page.keyboard.press("Control+z")
     assert slider.input_value() == first
-    before = float(page.evaluate(PRESENT))
+    value = float(page.evaluate(PRESENT))
     page.keyboard.press("ArrowRight")
-    assert 0.0 < float(page.evaluate(PRESENT)) - before < 0.01
+    assert 0.0 < float(page.evaluate(PRESENT)) - value < 0.01
 
 
 def test_each_arrow_key_moves_a_slider_with_fine_steps(show):
     page = show("rod_drop", {"initial.y": 100.0})
     slider = page.get_by_role("slider", name="Initial height")
-    before = float(slider.input_value())
+    value = float(slider.input_value())
     for step in range(1, 7):
         slider.press("ArrowRight")
-        assert float(slider.input_value()) == before + step
+        assert float(slider.input_value()) == value + step
 
 
 @pytest.mark.parametrize(("model", "walls"), [("cart_pole", False), ("four_link_box", True)])
@@ -96,7 +95,7 @@ def test_the_text_on_the_start_by_hand_names_walls_of_the_scene(show, model, wal
 def test_a_drag_of_a_handle_is_one_change(show):
     page = show()
     names = "Object.entries(chainImpact.parameters).filter(([name]) => name.startsWith('initial.')).join()"
-    before = page.evaluate(names)
+    start = page.evaluate(names)
     page.get_by_role("button", name="Set the start by hand").click()
     assert page.get_by_role("button", name="Set the start by hand", pressed=True).count() == 1
     box = page.locator("[data-grip='joint 2']").bounding_box()
@@ -105,13 +104,13 @@ def test_a_drag_of_a_handle_is_one_change(show):
     page.mouse.down()
     for step in range(1, 4):
         page.mouse.move(x + 10 * step, y + 6 * step)
-        page.evaluate(LATER)
+        page.evaluate(ADVANCE_CLOCK)
     page.mouse.up()
-    assert page.evaluate(names) != before
+    assert page.evaluate(names) != start
     page.keyboard.press("End")
     page.get_by_role("button", name="Set the start by hand", pressed=False).wait_for()
     page.keyboard.press("Control+z")
-    assert page.evaluate(names) == before
+    assert page.evaluate(names) == start
 
 
 def test_an_edit_is_undone_with_what_it_has_removed(show):
@@ -123,15 +122,15 @@ def test_an_edit_is_undone_with_what_it_has_removed(show):
     page.keyboard.press("Escape")
     page.get_by_role("button", name="Edit…").click()
     page.get_by_role("button", name="Remove link 3").click()
-    until_told(page, "3 links")
+    until_text(page, "3 links")
     page.keyboard.press("Control+z")
-    until_told(page, "4 links")
+    until_text(page, "4 links")
     assert page.locator("#edit-links tbody tr").count() >= 4, "the editor shows the restored scene"
     page.keyboard.press("Escape")
     assert page.evaluate("chainImpact.parameters['link[3].mass']") == "0.2"
     until(page, "decodeURIComponent(location.hash).includes('curves=link[3].angle')")
     page.keyboard.press("Control+Shift+z")
-    until_told(page, "3 links")
+    until_text(page, "3 links")
 
 
 def test_a_field_undoes_what_is_typed_in_it_itself(show):
@@ -149,12 +148,12 @@ def test_a_field_undoes_what_is_typed_in_it_itself(show):
 def test_undo_and_redo_are_on_all_screens_and_take_back_a_reset(show):
     page = show()
     buttons = page.locator("#actions > button")
-    shown = "all.filter((one) => one.checkVisibility())"
-    tops = f"all => new Set({shown}.map((one) => one.getBoundingClientRect().top)).size"
+    visible_buttons = "all.filter((element) => element.checkVisibility())"
+    tops = f"all => new Set({visible_buttons}.map((element) => element.getBoundingClientRect().top)).size"
     for width, height in ((1366, 768), (1024, 768), (768, 1024), (844, 390), (390, 844), (360, 800)):
         page.set_viewport_size({"width": width, "height": height})
         change(page, 0.5)
-        page.evaluate(LATER)
+        page.evaluate(ADVANCE_CLOCK)
         page.locator("#reset-all").click()
         assert (page.evaluate(PRESENT), buttons.evaluate_all(tops)) == ("0.7", 1)
         page.get_by_role("button", name="Undo", exact=True).click()
@@ -181,15 +180,15 @@ def test_changed_parameters_are_counted_and_first_in_the_list(show):
     drag = {"initial.angle[1]": 1, "link[4].mass": 2}
     page.evaluate("(changes) => chainImpact.show(changes)", drag)
     assert title.inner_text() == "All parameters · 2 changed"
-    told = "Also changed: Initial angle of link\u00a01 = 57.296\u202f°, Mass of link 4 = 2\u202fkg"
+    expected = "Also changed: Initial angle of link\u00a01 = 57.296\u202f°, Mass of link 4 = 2\u202fkg"
     also = page.locator("#also-changed")
-    assert also.inner_text().replace("\u00a0", " ") == told.replace("\u00a0", " ")
+    assert also.inner_text().replace("\u00a0", " ") == expected.replace("\u00a0", " ")
     assert title.locator("span").evaluate(COLOUR) == page.locator("#reset-all").evaluate(COLOUR)
     rows = page.locator(".parameter")
     names = title.evaluate(OPENED)  # the list has its rows before it is shown
     assert also.is_hidden()
     assert set(names[:2]) == set(drag)
-    page.evaluate(LATER)
+    page.evaluate(ADVANCE_CLOCK)
     rows.nth(0).get_by_role("button").click()
     assert title.inner_text() == "All parameters · 1 changed"
     assert rows.locator(".key").evaluate_all(NAMES) == names, "a row with the focus keeps its place"

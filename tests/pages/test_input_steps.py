@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from chain_impact import Chain, load_scene, simulate
-from tests.pages.in_pages import packed_module, page_contents, saved, until, until_told
+from tests.pages.in_pages import packed_module, page_contents, saved, until, until_text
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -16,47 +16,49 @@ pytestmark = needs_browser
 STEPS = [(0.2, 1.5), (0.31, -2.0), (0.6, 0.5)]
 RUN = function_of("input_steps", "run")
 SLIDER, ITS_WORDS = "joint[1].torque", "Torque of joint 1"
-SHOWN = "Number(document.getElementById('scrub').value)"
-HELD = f"chart => document.querySelector('#inputs-over-time dt.of-curve')?.title === '{SLIDER}'"
+TIME_OF_SLIDER = "Number(document.getElementById('scrub').value)"
+IS_HELD = f"chart => document.querySelector('#inputs-over-time dt.of-curve')?.title === '{SLIDER}'"
 
 
 def test_an_input_that_is_held_acts_as_when_a_chain_is_set_in_time(worker):
     scene, name = load_scene("pinned_arm"), "point[2].x"
     times = np.linspace(0.0, 1.0, 101).tolist()
-    given = {"module": packed_module(), **page_contents(scene), "times": times, "name": name}
-    found = worker.evaluate(RUN, {**given, "inputSteps": {SLIDER: STEPS}})
-    chain, known, steps = Chain(scene), [], list(STEPS)
+    arguments = {"module": packed_module(), **page_contents(scene), "times": times, "name": name}
+    result = worker.evaluate(RUN, {**arguments, "inputSteps": {SLIDER: STEPS}})
+    chain, expected, steps = Chain(scene), [], list(STEPS)
     for time in times:
         while steps and steps[0][0] < time:
             at, value = steps.pop(0)
             chain.step_to(at)
             chain.set(SLIDER, value)
         chain.step_to(time)
-        known.append(chain.get(name))
-    assert found == known
+        expected.append(chain.get(name))
+    assert result == expected
 
 
 def test_a_slider_moved_during_playback_is_held_from_then_on(show, tmp_path, capsys):
     page = show("pinned_arm")
-    before = page.evaluate("chainImpact.parameters['joint[1].torque']")
+    torque_text = page.evaluate("chainImpact.parameters['joint[1].torque']")
     page.get_by_label("Speed").select_option("¼ ×")
     page.get_by_role("button", name="Play").click()
-    until(page, f"{SHOWN} > 0.1")
+    until(page, f"{TIME_OF_SLIDER} > 0.1")
     slider = page.get_by_role("slider", name=ITS_WORDS)
     for key in ("PageUp", "PageUp", "ArrowLeft"):
         slider.press(key)
-        until(page, f"{SHOWN} > {page.evaluate(SHOWN) + 1e-3}")  # each change at its own time
+        until(
+            page, f"{TIME_OF_SLIDER} > {page.evaluate(TIME_OF_SLIDER) + 1e-3}"
+        )  # each change at its own time
     page.get_by_role("button", name="Pause").click()
     # the address may have the three steps while the motion plays, and has the time a little later
     until(page, "/time=.*(:.*){3}/.test(decodeURIComponent(location.hash))")
-    page.wait_for_function(HELD)
-    assert page.evaluate("chainImpact.parameters['joint[1].torque']") == before, (
-        "at the start, it is as it was"
+    page.wait_for_function(IS_HELD)
+    assert page.evaluate("chainImpact.parameters['joint[1].torque']") == torque_text, (
+        "the value at the start stays"
     )
     parts = page.evaluate("decodeURIComponent(location.hash)").strip("#").split("&")
-    told = dict(part.split("=") for part in parts)
-    assert (set(told), told["view"]) == ({f"{SLIDER}@", "time", "view"}, "0.25")  # pause, speed
-    text = told[f"{SLIDER}@"]
+    link_parts = dict(part.split("=") for part in parts)
+    assert (set(link_parts), link_parts["view"]) == ({f"{SLIDER}@", "time", "view"}, "0.25")  # pause, speed
+    text = link_parts[f"{SLIDER}@"]
     steps = [tuple(map(float, step.split(":"))) for step in text.split(",")]
     assert len(steps) == 3
     assert 0.1 < steps[0][0] < steps[-1][0] < 2.0
@@ -78,13 +80,13 @@ def test_a_slider_moved_during_playback_is_held_from_then_on(show, tmp_path, cap
     assert list(zip(signal.times, signal.values, strict=True)) == [(0.0, 0.0), *steps]
     table = saved(page, "Outputs as CSV").read_text(encoding="utf-8").splitlines()
     column = table[0].split(",").index("point[2].x")
-    known = simulate(path)["point[2].x"]
-    assert [float(row.split(",")[column]) for row in table[1:]] == pytest.approx(known.tolist(), abs=1e-6)
+    expected = simulate(path)["point[2].x"]
+    assert [float(row.split(",")[column]) for row in table[1:]] == pytest.approx(expected.tolist(), abs=1e-6)
     words = shlex.split(page.get_by_label("The command that gives the same motion").input_value())
     assert words[:2] == ["python", "-c"]
     page.keyboard.press("Escape")
     page.reload()
-    page.wait_for_function(HELD)
+    page.wait_for_function(IS_HELD)
     page.get_by_role("button", name=f"Reset {SLIDER}").first.click()
     until(page, "document.getElementById('inputs-over-time').closest('section').hidden")
     exec(words[2])  # the script prints the result
@@ -100,12 +102,12 @@ def test_command_file_and_pin_have_all_changed_inputs(show, tmp_path):
         in page.locator("#pins tbody tr").last.inner_text()
     )
     page.get_by_role("button", name="Export…").click()
-    path, found = tmp_path / "held.toml", []
+    path, results = tmp_path / "held.toml", []
     path.write_text(saved(page, "Scene file").read_text(encoding="utf-8"), encoding="utf-8")
     table = np.genfromtxt(saved(page, "Outputs as CSV"), delimiter=",", names=True, deletechars="")
     words = shlex.split(page.get_by_label("The command that gives the same motion").input_value())
-    exec(words[2], {"print": found.append})
-    for result in (*found, simulate(path)):
+    exec(words[2], {"print": results.append})
+    for result in (*results, simulate(path)):
         assert result["point[2].x"] == pytest.approx(table["point[2].x"], abs=1e-6)
         assert set(result["joint[1].target_velocity"]) == {2.0}
         assert set(result["joint[2].target_angle"]) == {1.0}
@@ -128,21 +130,21 @@ def test_a_link_whose_command_would_be_refused_is_refused(show):
     page = show("pinned_arm")
     for text in ("0:0.5", "0.1:0.5,0.1:0.7", "0.2:1,0.1:2", "0.1", "0.1:", ":1", "0.1:1:2", "Infinity:1"):
         page.evaluate(f"location.hash = '#{SLIDER}@={text}'")
-        until_told(page, f"The link cannot be used: {SLIDER}@ = {text}: ", "status")
+        until_text(page, f"The link cannot be used: {SLIDER}@ = {text}: ", "status")
         until(page, "location.hash === ''")
 
 
 def playing(page):
     """Play the motion slowly, and wait until inputs are held."""
-    page.wait_for_function(HELD)
+    page.wait_for_function(IS_HELD)
     page.get_by_label("Speed").select_option("¼ ×")
     page.get_by_role("button", name="Play").click()
-    until(page, f"{SHOWN} > 0.03")
+    until(page, f"{TIME_OF_SLIDER} > 0.03")
 
 
 def after_frames(page):
     """Wait until the page has drawn a later time."""
-    until(page, f"{SHOWN} > {page.evaluate(SHOWN) + 0.01}")
+    until(page, f"{TIME_OF_SLIDER} > {page.evaluate(TIME_OF_SLIDER) + 0.01}")
 
 
 def test_fields_keep_a_typed_text_and_a_refusal_while_inputs_are_held(show):
@@ -162,7 +164,7 @@ def test_fields_keep_a_typed_text_and_a_refusal_while_inputs_are_held(show):
     after_frames(page)
     assert page.evaluate(f"chainImpact.parameters['{name}']") == "0.31"
     refused = page.locator(".refusal").filter(has_text="Not taken").all_inner_texts()
-    assert [told.split(" must")[0] for told in refused] == [
+    assert [refusal.split(" must")[0] for refusal in refused] == [
         "Not taken: Restitution = 2",
         f"Not taken: {ITS_WORDS} = much",
     ]
@@ -189,7 +191,7 @@ def test_a_slider_dragged_back_to_its_value_follows_the_motion_again(show):
 def test_a_map_and_its_runs_keep_inputs_at_their_starts(show):
     page = show("pinned_arm")
     page.evaluate("location.hash = '#simulation.stop_time=0.1&joint[1].torque@=0.05:3'")
-    page.wait_for_function(HELD)
+    page.wait_for_function(IS_HELD)
     page.get_by_role("button", name="Map…").click()
     page.locator("#map-text").get_by_text("Inputs keep their start values.").wait_for()
     assert page.locator(".map-present").count() == 0

@@ -48,25 +48,25 @@ CHANGES = [
 ]
 
 
-def assert_same_bits(found, result):
-    np.testing.assert_array_equal(found["time"], result.time.view(np.int64), "time")
+def assert_same_bits(run_in_page, result):
+    np.testing.assert_array_equal(run_in_page["time"], result.time.view(np.int64), "time")
     columns = result.columns
-    assert list(found["columns"]) == list(columns)
+    assert list(run_in_page["columns"]) == list(columns)
     for name, column in columns.items():
-        np.testing.assert_array_equal(found["columns"][name], column.copy().view(np.int64), name)
-    assert found["statistics"] == result.statistics
-    assert len(found["impacts"]) == len(result.impacts)
-    for here, there in zip(found["impacts"], result.impacts, strict=True):
+        np.testing.assert_array_equal(run_in_page["columns"][name], column.copy().view(np.int64), name)
+    assert run_in_page["statistics"] == result.statistics
+    assert len(run_in_page["impacts"]) == len(result.impacts)
+    for impact, expected_impact in zip(run_in_page["impacts"], result.impacts, strict=True):
         for name in LOG_DTYPE.names:
-            np.testing.assert_equal(float(here[name]), float(there[name]), name)
+            np.testing.assert_equal(float(impact[name]), float(expected_impact[name]), name)
 
 
 @pytest.mark.parametrize("model", model_names())
 def test_every_output_of_every_model_has_the_bits_of_simulate(kernel, model):
     scene = load_scene(model)
-    found = kernel(scene)
-    assert_same_bits(found, simulate(scene))
-    assert found["partsInWords"] == part_texts(scene)
+    run_in_page = kernel(scene)
+    assert_same_bits(run_in_page, simulate(scene))
+    assert run_in_page["partsInWords"] == part_texts(scene)
 
 
 @pytest.mark.parametrize("changes", PARAMETER_CHANGES, ids=str)
@@ -78,9 +78,9 @@ def test_derived_values_of_the_scene_follow_changed_parameters(kernel, changes):
 def test_changed_parameters_give_the_bits_of_the_changed_scene(kernel, model, changes):
     """The page sets words of the record and the kernel derives the rest; Python makes a new record."""
     scene = load_scene(model)
-    changed = scene.with_values(changes)
-    values = {name: numbers(changed).get((name, value), value) for name, value in changes.items()}
-    assert_same_bits(kernel(scene, values), simulate(changed))
+    changed_scene = scene.with_values(changes)
+    values = {name: numbers(changed_scene).get((name, value), value) for name, value in changes.items()}
+    assert_same_bits(kernel(scene, values), simulate(changed_scene))
 
 
 def test_a_table_drives_the_page_to_the_bits_of_simulate(kernel, tmp_path):
@@ -109,28 +109,28 @@ def test_a_run_that_fails_tells_the_same_status_time_and_rows(kernel):
     scene = load_scene("four_link_box")
     with pytest.raises(SimulationError) as caught:
         simulate(scene.with_values({"solver.work_limit": 2000.0}))
-    found = kernel(scene, {"solver.work_limit": 2000.0})
-    assert (found["status"], found["reached"]) == (caught.value.status, caught.value.time)
-    assert 0 < len(found["time"]) < 2001
-    assert_same_bits(found, caught.value.result)
+    run_in_page = kernel(scene, {"solver.work_limit": 2000.0})
+    assert (run_in_page["status"], run_in_page["reached"]) == (caught.value.status, caught.value.time)
+    assert 0 < len(run_in_page["time"]) < 2001
+    assert_same_bits(run_in_page, caught.value.result)
 
 
 def test_a_start_that_cannot_be_has_a_status_and_no_rows(kernel):
-    found = kernel(load_scene("four_link_box"), {"initial.y": -5.0})
-    assert found["status"] == 4
-    assert len(found["time"]) == 0
-    assert found["impacts"] == []
+    run_in_page = kernel(load_scene("four_link_box"), {"initial.y": -5.0})
+    assert run_in_page["status"] == 4
+    assert len(run_in_page["time"]) == 0
+    assert run_in_page["impacts"] == []
 
 
 def test_a_thousand_runs_leave_the_module_as_large_as_it_was(worker):
     """The module allocates no memory in runs with and without rows, and in studies."""
     scene = page_contents(load_scene("four_link_box"))
-    before, after, same = worker.evaluate(
+    size_before, size_after, is_same = worker.evaluate(
         function_of("kernel", "memoryOfRuns"),
         [packed_module(), scene],
     )
-    assert before == after < 4e6
-    assert same
+    assert size_before == size_after < 4e6
+    assert is_same
 
 
 def test_a_law_of_ones_own_gives_the_numbers_of_simulate(kernel, tmp_path):
@@ -139,17 +139,21 @@ def test_a_law_of_ones_own_gives_the_numbers_of_simulate(kernel, tmp_path):
     scene = load_scene("rod_drop").with_values(
         {"contact.law_file": str(tmp_path / "mine.py"), "contact.model": "mine"}
     )
-    found, known = kernel(scene), simulate(scene)
-    assert len(found["impacts"]) == len(known.impacts) > 0
+    run_in_page, result = kernel(scene), simulate(scene)
+    assert len(run_in_page["impacts"]) == len(result.impacts) > 0
     for name in ("point[1].x", "point[1].y", "energy.total"):
-        np.testing.assert_allclose(found["columns"][name].view(float), known[name], rtol=1e-7, atol=1e-9)
-    for here, there in zip(found["impacts"], known.impacts, strict=True):
-        assert float(here["peak_force"]) == pytest.approx(there["peak_force"], rel=1e-7)
-    other = simulate(load_scene("rod_drop"))
-    assert abs(other["point[1].y"] - known["point[1].y"]).max() > 1e-4  # another law gives another motion
+        np.testing.assert_allclose(
+            run_in_page["columns"][name].view(float), result[name], rtol=1e-7, atol=1e-9
+        )
+    for impact, expected_impact in zip(run_in_page["impacts"], result.impacts, strict=True):
+        assert float(impact["peak_force"]) == pytest.approx(expected_impact["peak_force"], rel=1e-7)
+    result_of_usual_law = simulate(load_scene("rod_drop"))
+    assert (
+        abs(result_of_usual_law["point[1].y"] - result["point[1].y"]).max() > 1e-4
+    )  # another law gives another motion
 
 
-# --- studies, and what the page works out itself: frames, view, what follows from what ---------------------
+# --- studies, and the parts of a page's motion that the page computes itself: frames and view ---------------
 
 
 RUN_EACH = function_of("kernel", "runEach")
@@ -157,29 +161,32 @@ RUN_EACH = function_of("kernel", "runEach")
 
 def test_the_runs_of_a_map_have_the_bits_of_a_sweep(worker):
     scene = load_scene("four_link_box").with_values({"simulation.stop_time": 1.2})
-    varied = {"contact.restitution": np.linspace(0.2, 0.9, 9), "initial.angle[1]": np.linspace(0.1, 0.7, 9)}
+    variations = {
+        "contact.restitution": np.linspace(0.2, 0.9, 9),
+        "initial.angle[1]": np.linspace(0.1, 0.7, 9),
+    }
     outputs = ["energy.total", "impact.last_time", "point[4].x", "impact.count"]
-    known = sweep(scene.with_values({"link[2].mass": 1.2}), varied, outputs=outputs).table
-    grid = np.column_stack([known[name] for name in varied])
-    study = [packed_module(), page_contents(scene), list(varied), grid.ravel().tolist(), 1.2, outputs]
+    table = sweep(scene.with_values({"link[2].mass": 1.2}), variations, outputs=outputs).table
+    grid = np.column_stack([table[name] for name in variations])
+    study = [packed_module(), page_contents(scene), list(variations), grid.ravel().tolist(), 1.2, outputs]
     text, rows_after = worker.evaluate(RUN_EACH, study)
-    found = bits(text).reshape(len(grid), len(outputs))
+    result = bits(text).reshape(len(grid), len(outputs))
     for place, name in enumerate(outputs):
-        column = np.ascontiguousarray(known[name])
-        np.testing.assert_array_equal(found[:, place], column.view(np.int64), name)
+        column = np.ascontiguousarray(table[name])
+        np.testing.assert_array_equal(result[:, place], column.view(np.int64), name)
     assert rows_after == 11  # the memory has grown, and other runs continue as before
 
 
 @pytest.mark.parametrize(("stop", "step"), [(0.3, 0.1), (0.7, 0.1), (1.1, 0.1), (0.25, 0.1), (0.05, 0.1)])
 def test_a_table_has_the_rows_of_a_result(worker, stop, step):
     """Some ratios of stop time and step are whole numbers up to round-off, on either side."""
-    found = worker.evaluate("([stop, step]) => [...rowTimes(stop, step)]", [stop, step])
-    assert found == simulate("simple_pendulum", stop, step, output=[]).time.tolist()
+    times = worker.evaluate("([stop, step]) => [...rowTimes(stop, step)]", [stop, step])
+    assert times == simulate("simple_pendulum", stop, step, output=[]).time.tolist()
 
 
 @pytest.fixture(scope="module")
 def motions(worker):
-    """Return the motion that the page's worker computes for a scene."""
+    """Return a function: scene → motion that the page's worker computes."""
 
     def run(scene):
         return worker.evaluate(
@@ -200,43 +207,46 @@ def motions(worker):
     ids=lambda scene: scene.name,
 )
 def test_the_page_shows_what_an_animation_shows(motions, scene):
-    found, known = motions(scene), record_slowly(scene)
-    radius = radius_of(known)
-    centre = ball_of(known)  # of a ball without a radius, the page shows the centre alone
-    shown = known.points if centre is None or radius else known.points[:, [centre]]
-    view, anchor = film_view(shown, known.walls, radius, is_pinned=known.pinned)
+    motion, recording = motions(scene), record_slowly(scene)
+    radius = radius_of(recording)
+    centre = ball_of(recording)  # of a ball without a radius, the page shows the centre alone
+    shown_points = recording.points if centre is None or radius else recording.points[:, [centre]]
+    view, anchor = film_view(shown_points, recording.walls, radius, is_pinned=recording.pinned)
     size = np.ptp(view, axis=0).max()
-    np.testing.assert_allclose(found["view"], view, atol=0.01 * size)
-    assert found["anchor"] == anchor.tolist()
-    lines = pin_lines(known.points) if known.pinned else []
-    for here, there in zip(found["pin"], lines, strict=True):
-        np.testing.assert_allclose(here, there, atol=0.01 * size)
-    assert set(found["energies"]) == {name for name, energy in known.energies.items() if energy.any()}
+    np.testing.assert_allclose(motion["view"], view, atol=0.01 * size)
+    assert motion["anchor"] == anchor.tolist()
+    lines = pin_lines(recording.points) if recording.pinned else []
+    for line, expected_line in zip(motion["pin"], lines, strict=True):
+        np.testing.assert_allclose(line, expected_line, atol=0.01 * size)
+    assert set(motion["energies"]) == {name for name, energy in recording.energies.items() if energy.any()}
     forces = {
         (interaction.point, interaction.wall)
-        for interaction in known.interactions
+        for interaction in recording.interactions
         if interaction.force is not None and interaction.force.any()
     }
-    assert {(point, wall) for point, wall in found["forces"]} == forces
+    assert {(point, wall) for point, wall in motion["forces"]} == forces
     loads = [
-        (joint, *force.min(axis=0)[:1], *force.max(axis=0)[1:]) for joint, force in known.joint_forces.items()
+        (joint, *force.min(axis=0)[:1], *force.max(axis=0)[1:])
+        for joint, force in recording.joint_forces.items()
     ]
-    np.testing.assert_allclose(found["loads"], loads, rtol=0.02)
-    assert found["radius"] == pytest.approx(radius, abs=1e-9)
-    assert [stop["joint"] for stop in found["stops"]] == list(known.stops)
+    np.testing.assert_allclose(motion["loads"], loads, rtol=0.02)
+    assert motion["radius"] == pytest.approx(radius, abs=1e-9)
+    assert [stop["joint"] for stop in motion["stops"]] == list(recording.stops)
     # forces of walls only: moments of stops have their own scale
-    peak = known.impacts["peak_force"][~known.is_at_joint_stop].max(initial=0.0)
-    assert found["peakForce"] == pytest.approx(peak, rel=1e-3, abs=1e-200)
-    assert (found["time"][0], found["time"][-1]) == (known.time[0], known.time[-1])
-    assert (np.diff(found["time"]) > 0).all()
-    times, _ = frame_times(known.time[0], known.time[-1], slow_spans(known), usual_rate=frame_rate(known))
-    np.testing.assert_allclose(found["time"], times, atol=1e-6)
+    peak = recording.impacts["peak_force"][~recording.is_at_joint_stop].max(initial=0.0)
+    assert motion["peakForce"] == pytest.approx(peak, rel=1e-3, abs=1e-200)
+    assert (motion["time"][0], motion["time"][-1]) == (recording.time[0], recording.time[-1])
+    assert (np.diff(motion["time"]) > 0).all()
+    times, _ = frame_times(
+        recording.time[0], recording.time[-1], slow_spans(recording), usual_rate=frame_rate(recording)
+    )
+    np.testing.assert_allclose(motion["time"], times, atol=1e-6)
 
 
-def begun(worker, scene, changes):
+def status_of_run(worker, scene, changes):
     """Return the page's refusal of changes of a scene, or the status of the run's start."""
     return worker.evaluate(
-        function_of("kernel", "begun"),
+        function_of("kernel", "statusOfRun"),
         [packed_module(), page_contents(scene), changes],
     )
 
@@ -269,5 +279,5 @@ def test_parameters_that_do_not_go_together_are_refused_as_by_a_scene(worker, mo
         scene = scene.with_values({"link[3].joint_min": -2.9})
     with pytest.raises((SceneError, SimulationError)):
         simulate(scene.with_values(changes))
-    found = begun(worker, scene, changes)
-    assert expected in found if isinstance(expected, str) else expected == found
+    result = status_of_run(worker, scene, changes)
+    assert expected in result if isinstance(expected, str) else expected == result

@@ -1,4 +1,4 @@
-"""No label overlaps a control, and no card another one, by the drawn boxes."""
+"""Labels, controls and cards do not overlap, by their boxes in the browser."""
 
 # Tests: pages/explore.py, pages/browser/player/folding.js, pages/browser/explore/folded_energies.js
 # Tests: pages/browser/explore/parameters/outcome.js, pages/browser/explore/jumps.js
@@ -6,7 +6,7 @@
 import pytest
 
 from chain_impact import simulate
-from tests.pages.in_pages import DESK, ON_ITS_SIDE, PHONE, go_to, impacts_of, resize, until, until_told
+from tests.pages.in_pages import DESK, ON_ITS_SIDE, PHONE, go_to, impacts_of, resize, until, until_text
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -99,7 +99,7 @@ def test_all_parameters_are_shown_at_once_where_they_have_room(show, size, is_op
     page = show(viewport=dict(zip(("width", "height"), size, strict=True)))
     until(page, f"document.getElementById('list-of-parameters').open === {str(is_open).lower()}")
     assert page.locator("#main-parameters").bounding_box()["y"] > 0.0
-    assert page.locator("#parameters").evaluate("one => one.scrollTop") == 0
+    assert page.locator("#parameters").evaluate("element => element.scrollTop") == 0
     assert page.locator("#list-of-parameters .parameter").first.is_visible() is is_open
 
 
@@ -121,7 +121,7 @@ def test_charts_and_impacts_have_room_in_a_low_window(show, kind):
     page = show("pinned_arm" if kind == "inputs" else "four_link_box", hash_=hash_[kind])
     if kind == "pins":
         page.get_by_role("button", name="Pin").click()
-    heights = "charts => charts.map((one) => one.clientHeight).filter(Boolean)"
+    heights = "charts => charts.map((element) => element.clientHeight).filter(Boolean)"
     assert min(page.locator("aside .chart .u-over").evaluate_all(heights)) >= 90
     rows, left = page.evaluate("""(() => {
       const boxOf = (id) => document.getElementById(id).getBoundingClientRect();
@@ -147,10 +147,12 @@ def test_chosen_charts_lie_beside_five_impacts_not_below_them(show, card):
     assert rows["height"] >= 20 + 5 * row["height"]
     page.keyboard.press("End")
     until(page, "document.querySelector('#impacts tbody tr:last-child').ariaCurrent === 'true'")
-    shown = page.locator("#impacts tbody tr:visible")
-    assert shown.count() == 5
-    assert shown.last.get_attribute("aria-current") == "true", "the list follows the motion without scrolling"
-    assert page.locator("#impacts").evaluate("one => one.scrollHeight - one.clientHeight") == 0
+    visible_rows = page.locator("#impacts tbody tr:visible")
+    assert visible_rows.count() == 5
+    assert visible_rows.last.get_attribute("aria-current") == "true", (
+        "the list follows the motion without scrolling"
+    )
+    assert page.locator("#impacts").evaluate("element => element.scrollHeight - element.clientHeight") == 0
     assert list_["y"] + list_["height"] <= chart["y"]
     assert chart["y"] + chart["height"] <= column["y"] + column["height"]
     until(page, "document.getElementById('energy-card').matches('.folded')")
@@ -170,7 +172,7 @@ def test_the_end_of_the_column_cuts_no_card_of_a_scene_with_signals(show, size):
     page = show("hopper", viewport=dict(zip(("width", "height"), size, strict=True)))
     energy = page.get_by_role("button", name="Energy", exact=True)
     until(page, "document.getElementById('energy-card').matches('.folded')")
-    assert page.locator("aside").evaluate("one => one.scrollHeight - one.clientHeight") == 0
+    assert page.locator("aside").evaluate("element => element.scrollHeight - element.clientHeight") == 0
     assert page.locator("#inputs-over-time canvas").bounding_box()["height"] > 90
     column, title = (page.locator(name).bounding_box() for name in ("aside", "#energy-title"))
     assert title["y"] + title["height"] <= column["y"] + column["height"]
@@ -184,28 +186,30 @@ def test_the_end_of_the_column_cuts_no_card_of_a_scene_with_signals(show, size):
 
 @pytest.mark.parametrize("hash_", ["", "#curves=point[4].y,contact[2].y_min.force"], ids=["", "outputs"])
 def test_no_combination_of_pins_outputs_and_messages_cuts_a_card(show, hash_):
-    """The values have few impacts, many impacts, and a run that stops; the column fades where more is."""
+    """The runs have few impacts, many, or stop early; the column fades where parts are out of sight."""
     page, sizes = show(hash_=hash_), ((1366, 800), (1280, 720), (390, 844))
     faults = [*(function_of("layout", name) for name in ("overlappingCards", "overfullCards")), CLASHES]
     for pins in range(3):
         for restitution, stiffness in ((0.7, 1e8), (0.5, 1e8), (0.5, 1e30)):
             values = {"contact.restitution": restitution, "contact.stiffness": stiffness}
             page.evaluate("values => chainImpact.show(values)", values)
-            told = "document.getElementById('status').checkVisibility()"
-            until(page, told if stiffness > 1e8 else f"!{told}")
-            until_told(page, "1 impact in" if stiffness > 1e8 else impacts_of(values))
+            is_status_shown = "document.getElementById('status').checkVisibility()"
+            until(page, is_status_shown if stiffness > 1e8 else f"!{is_status_shown}")
+            until_text(page, "1 impact in" if stiffness > 1e8 else impacts_of(values))
             for size in sizes:
                 resize(page, *size)
                 assert [page.evaluate(fault) for fault in faults] == [[], [], []], (pins, values, size)
         for size in sizes:
             resize(page, *size)
             column = page.locator("aside")
-            column.evaluate("one => one.scrollTo(0, 0)")
+            column.evaluate("element => element.scrollTo(0, 0)")
             until(page, "!document.querySelector('aside').matches('.more-above')")
-            more = column.evaluate("one => [one.scrollHeight > one.clientHeight, one.matches('.more-below')]")
-            assert more[0] == more[1], (pins, size)
-            if more[0]:
-                column.evaluate("one => one.scrollTo(0, 1e4)")
+            is_more_below = column.evaluate(
+                "element => [element.scrollHeight > element.clientHeight, element.matches('.more-below')]"
+            )
+            assert is_more_below[0] == is_more_below[1], (pins, size)
+            if is_more_below[0]:
+                column.evaluate("element => element.scrollTo(0, 1e4)")
                 until(page, "document.querySelector('aside').matches('.more-above:not(.more-below)')")
         page.get_by_role("button", name="Pin").click()
 
@@ -227,7 +231,9 @@ def test_the_list_of_impacts_covers_no_part_of_a_chart(show, model, hash_):
     for width, height in ((1366, 768), (1280, 720), (1440, 900)):
         page.set_viewport_size({"width": width, "height": height})
         until(page, f"({CUT_CHARTS})().length === 0")
-        heights = page.locator("aside .chart").evaluate_all("all => all.map((one) => one.clientHeight)")
+        heights = page.locator("aside .chart").evaluate_all(
+            "all => all.map((element) => element.clientHeight)"
+        )
         assert min(height for height in heights if height) >= 90 + 26 + 8, "with the axis of the time"
         force, list_ = (page.locator(name).bounding_box() for name in ("#force", "#list"))
         assert force["y"] + force["height"] <= list_["y"], "the force is in sight, whatever else is shown"
@@ -253,10 +259,10 @@ def test_a_title_of_three_lines_covers_no_legend(show):
     page = show()
     for changes in ({}, {"contact.restitution": 0.5}, {"contact.restitution": 0.3}):
         page.evaluate("changes => chainImpact.show(changes)", changes)
-        until_told(page, impacts_of(changes))
+        until_text(page, impacts_of(changes))
         page.get_by_role("button", name="Pin").click()
     page.evaluate("chainImpact.show({'contact.model': 'newton_impact'})")
-    until_told(page, impacts_of({"contact.model": "newton_impact", "contact.restitution": 0.3}))
+    until_text(page, impacts_of({"contact.model": "newton_impact", "contact.restitution": 0.3}))
     page.get_by_role("button", name="Go to impact 3, ").click()
     until(page, "document.getElementById('contact-title').clientHeight > 50")
     energies, impacts = (page.locator(name).bounding_box() for name in ("#energies", "#list"))
@@ -270,22 +276,22 @@ def test_the_caption_beside_the_motion_is_whole_and_has_no_gap_above(show):
     go_to(page, 0.5)
     room, caption = (page.locator(name).bounding_box() for name in ("#caption-room", "#caption"))
     assert caption["y"] == room["y"]
-    assert page.locator("#caption").evaluate("one => one.scrollHeight <= one.clientHeight + 1")
+    assert page.locator("#caption").evaluate("element => element.scrollHeight <= element.clientHeight + 1")
 
 
 @pytest.mark.parametrize("model", ["four_link_box", "cart_pole", "hopper", "stick_slip_belt"])
 def test_the_sentence_on_an_impact_stays_within_its_card(show, model):
-    whole = "one => one.scrollWidth <= one.clientWidth && one.scrollHeight <= one.clientHeight + 1"
+    is_whole = "text => text.scrollWidth <= text.clientWidth && text.scrollHeight <= text.clientHeight + 1"
     page = show(model, viewport=DESK)
     go_to(page, 0.5)
-    assert page.locator("#contact-name").evaluate(whole)
+    assert page.locator("#contact-name").evaluate(is_whole)
     page = show(model, viewport=PHONE, has_touch=True)
     heights = {
         page.locator("#clock").bounding_box()["height"] for time in (0.0, 0.5) if go_to(page, time) == time
     }
     assert len(heights) == 1, "the drawing does not move"
     for sentence in ("#contact-name", "#caption"):
-        assert page.locator(sentence).evaluate(whole), f"no word of {sentence} is cut"
+        assert page.locator(sentence).evaluate(is_whole), f"no word of {sentence} is cut"
     stage, caption = (page.locator(name).bounding_box() for name in ("#stage", "#caption"))
     assert caption["x"] + caption["width"] <= stage["x"] + stage["width"] - 10.0
 
@@ -297,8 +303,8 @@ def test_the_map_is_whole_in_a_low_window(show):
     assert chart["height"] > 150.0
     assert chart["y"] + chart["height"] < ON_ITS_SIDE["height"]
     assert chart["x"] > button["x"] + button["width"]
-    whole = "({ scrollHeight, clientHeight }) => scrollHeight <= clientHeight"
-    assert page.locator("#map-text").evaluate(whole), "the text below the fields, too"
+    is_whole = "({ scrollHeight, clientHeight }) => scrollHeight <= clientHeight"
+    assert page.locator("#map-text").evaluate(is_whole), "the text below the fields, too"
     page.keyboard.press("Escape")
     page.keyboard.press("?")
     dialog, foot = (page.locator(name).bounding_box() for name in ("#help", "#help form"))
@@ -313,9 +319,9 @@ def test_the_editor_shows_all_links_and_its_refusals_in_a_low_window(show):
     field = page.locator("#edit").get_by_role("textbox", name="link[1].mass")
     field.fill("heavy")
     field.press("Enter")
-    told, foot = (page.locator(name).bounding_box() for name in ("#edit .told .refusal", "#edit form"))
-    assert told["width"] > 100.0
-    assert told["y"] + told["height"] < foot["y"] + 8.0
+    refusal, foot = (page.locator(name).bounding_box() for name in ("#edit .told .refusal", "#edit form"))
+    assert refusal["width"] > 100.0
+    assert refusal["y"] + refusal["height"] < foot["y"] + 8.0
 
 
 def test_few_impacts_leave_their_room_to_the_charts(show):
@@ -330,16 +336,16 @@ def test_few_impacts_leave_their_room_to_the_charts(show):
 def test_a_narrow_list_of_impacts_has_whole_rows_and_the_present_one(show):
     page = show("cart_pole", viewport={"width": 1100, "height": 800})  # narrow, as with the bar for scrolling
     page.keyboard.press("End")
-    place = "one => [one.scrollHeight - one.clientHeight, one.querySelector('thead').clientHeight]"
+    place = "list => [list.scrollHeight - list.clientHeight, list.querySelector('thead').clientHeight]"
     assert page.locator("#impacts").evaluate(place) == [0, 20], "without a gap below the title"
     page.goto("about:blank")
     page = show(viewport=DESK)
     bottom, *bottoms = page.locator("#impacts, #impacts tbody tr").evaluate_all(
-        "all => all.map((one) => one.getBoundingClientRect().bottom)"
+        "all => all.map((element) => element.getBoundingClientRect().bottom)"
     )
-    seen = sum(row <= bottom + 1 for row in bottoms)
-    assert seen < 14
-    assert page.inner_text("#impacts-seen") == f"{seen} of 14 in view"
+    visible_count = sum(row <= bottom + 1 for row in bottoms)
+    assert visible_count < 14
+    assert page.inner_text("#impacts-seen") == f"{visible_count} of 14 in view"
     page.keyboard.press("End")
     page.keyboard.press("p")  # the rows of the pin take the place of rows of the list
     page.locator("#pins tbody tr").first.wait_for()
@@ -354,7 +360,7 @@ def test_impacts_stay_in_sight_below_chosen_curves(show):
     page.get_by_role("button", name="Pin").click()
     column = page.locator("aside")
     until(page, "document.querySelector('aside').scrollHeight > document.querySelector('aside').clientHeight")
-    assert column.evaluate("one => one.scrollTop") == 0
+    assert column.evaluate("element => element.scrollTop") == 0
     row, pins = (page.locator(name).first.bounding_box() for name in ("#impacts tbody tr", "#pins"))
     assert row["y"] + row["height"] < pins["y"]
     page.evaluate("chainImpact.show({'contact.restitution': 0.5})")
@@ -367,8 +373,8 @@ def test_impacts_stay_in_sight_below_chosen_curves(show):
 def test_the_line_on_an_impact_is_whole_before_the_impact_and_in_it(show, model, viewport):
     page = show(model, viewport=viewport)
     for onset in simulate(model).impacts["onset"][:5]:
-        for ahead, words in ((1e-3, "Next is impact "), (-1e-4, " m/s, ")):
-            go_to(page, onset - ahead)
+        for time_before, words in ((1e-3, "Next is impact "), (-1e-4, " m/s, ")):
+            go_to(page, onset - time_before)
             assert words in page.inner_text("#caption").replace("\u202f", " ")
             assert not page.evaluate(IS_CUT_OFF, "caption"), page.inner_text("#caption")
 

@@ -15,7 +15,7 @@ import pytest
 from PIL import Image
 
 from chain_impact import load_scene, simulate, sweep
-from tests.pages.in_pages import ANGLE_AXIS, MAP, draw_map, enter, saved, until, until_told
+from tests.pages.in_pages import ANGLE_AXIS, MAP, draw_map, enter, saved, until, until_text
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
@@ -49,28 +49,30 @@ def test_a_map_is_drawn_read_and_opens_a_run(show):
     )
     outputs = page.locator("#map-output option").evaluate_all("options => options.map(({ value }) => value)")
     assert page.locator("#map-output").input_value() == "peak_force"
-    shown = page.locator("#map-output option").all_inner_texts()
-    assert "Largest force at a wall" in shown, "the bar of colours has the unit, which depends on the runs"
+    output_texts = page.locator("#map-output option").all_inner_texts()
+    assert "Largest force at a wall" in output_texts, (
+        "the bar of colours has the unit, which depends on the runs"
+    )
     page.locator("#map-output").select_option("impact.count")
-    largest = ["peak_force", "max_penetration"]
+    largest_values = ["peak_force", "max_penetration"]
     assert outputs == [
         "impact.count",
         "impact.last_time",
         *(f"impact[1].{name}" for name in ("onset", "peak_force", "place")),
-        *largest,
+        *largest_values,
         "energy.total",
         "energy.dissipated",
         "point[1].x",
         "point[1].y",
     ]
     colour = "text => getComputedStyle(text).color"
-    usual = page.locator("#map-text").evaluate(colour)
+    usual_colour = page.locator("#map-text").evaluate(colour)
     for low, high in (("", "1"), ("2", "3")):
         page.locator("#map-x-from").fill(low)
         page.locator("#map-x-to").fill(high)
         page.get_by_role("button", name="Simulate 41 × 41 runs").click()
         page.get_by_text("must be a finite number ≥ 0 and ≤ 1").wait_for()
-        assert page.locator("#map-text").evaluate(colour) != usual, "a fault stands out"
+        assert page.locator("#map-text").evaluate(colour) != usual_colour, "a fault stands out"
         refused = page.locator(".map-axes input:invalid")
         assert refused.evaluate_all("all => all.map(({ id }) => id)") == ["map-x-from"]
     page.locator("#map-x-from").fill("0.2")
@@ -85,9 +87,9 @@ def test_a_map_is_drawn_read_and_opens_a_run(show):
     assert len(table) == 1 + 41 * 41
     page.mouse.move(1, 1)
     picture = Image.open(saved(page, "Map as PNG")).convert("RGB")
-    seen = Image.open(io.BytesIO(page.locator("#map-frame").screenshot())).convert("RGB")
-    apart = np.abs(np.asarray(picture.resize(seen.size), float) - np.asarray(seen))
-    assert apart.mean() < 3.5, "the picture has the map's sizes of text"
+    screenshot = Image.open(io.BytesIO(page.locator("#map-frame").screenshot())).convert("RGB")
+    differences = np.abs(np.asarray(picture.resize(screenshot.size), float) - np.asarray(screenshot))
+    assert differences.mean() < 3.5, "the picture has the map's sizes of text"
     assert picture.getcolors(1 << 20) is None or len(picture.getcolors(1 << 20)) > 5
     lower_right = {"x": box["width"] - 3, "y": box["height"] - 3}
     page.locator("#map-canvas").hover(position=lower_right)
@@ -100,7 +102,7 @@ def test_a_map_is_drawn_read_and_opens_a_run(show):
         [run.impacts["peak_force"].max(), run["energy.dissipated"][-1]], rel=1e-3
     )
     page.locator("#map-canvas").click(position=lower_right)
-    until_told(page, f"{count} impact")
+    until_text(page, f"{count} impact")
     assert page.evaluate("chainImpact.parameters['contact.restitution']") == "0.95"
     colours = page.evaluate("""new Set(new Uint32Array(document.getElementById('map-canvas')
       .getContext('2d').getImageData(0, 0, 80, 80).data.buffer)).size""")
@@ -111,12 +113,12 @@ def test_the_preview_stays_below_the_rows_that_come(show):
     page = show("rod_drop", MAP)
     page.get_by_role("button", name="Map…").click()
     page.locator("#map-text").get_by_text("A preview of 9 × 9 runs.").wait_for()
-    others = page.locator("#map-scales text:not(.map-value)")
-    titles = others.all_text_contents()
+    titles_in_map = page.locator("#map-scales text:not(.map-value)")
+    titles = titles_in_map.all_text_contents()
     page.evaluate("document.getElementById('map-run').click()")  # at once, before any row
     assert page.locator("#map-canvas").get_attribute("width") == "80"
     assert page.evaluate(EMPTY) == 0
-    assert others.all_text_contents() == titles
+    assert titles_in_map.all_text_contents() == titles
     page.locator("#map-text").get_by_text("1681 runs in").wait_for()
     assert page.evaluate(EMPTY) == 0
     choices = page.locator("#map-x-name option").all_inner_texts()
@@ -153,8 +155,8 @@ def test_a_map_shows_the_largest_forces_of_a_sweep(show):
         head, *rows = saved(page, "Map as CSV").read_text().splitlines()
         assert head == f"contact.restitution,contact.stiffness,{output}"
         e, stiffness, value = map(float, rows[-1].split(","))
-        found = sweep(scene, {"contact.restitution": [e], "contact.stiffness": [stiffness]})
-        assert found[output][0] == value
+        table = sweep(scene, {"contact.restitution": [e], "contact.stiffness": [stiffness]})
+        assert table[output][0] == value
 
 
 def test_another_colour_of_a_map_needs_no_runs(show):
@@ -168,8 +170,8 @@ def test_another_colour_of_a_map_needs_no_runs(show):
         assert head == f"contact.restitution,initial.angle[1],{output}"
         e, angle, value = map(float, rows[-1].split(","))
         scene = load_scene("rod_drop").with_values(MAP)
-        found = sweep(scene, {"contact.restitution": [e], "initial.angle[1]": [angle]})
-        assert found[output][0] == value
+        table = sweep(scene, {"contact.restitution": [e], "initial.angle[1]": [angle]})
+        assert table[output][0] == value
     assert "1681 runs in" in page.inner_text("#map-text")
 
 
@@ -179,9 +181,9 @@ RANKED = """[...document.querySelectorAll('.effect')].map((row) =>
 
 
 def share_by_step(ranking, *, exactly=False):
-    """Return the relative effects [%] of steps of 1°, and of 1 % of what is no angle, the largest first.
+    """Return the relative effects [%] of steps of 1° (angles) or 1 % (other parameters), the largest first.
 
-    The effects are to first order, but ``exactly`` those on the largest force come from runs.
+    The effects are linear, but ``exactly`` the effects on the largest force come from runs.
     """
     size = ranking.effects[0].change / ranking.share(ranking.effects[0]) / 100.0
     scene, step = load_scene("four_link_box"), math.radians(1.0)
@@ -191,11 +193,11 @@ def share_by_step(ranking, *, exactly=False):
         if not exactly:
             return effect.derivative * size
         values = {effect.parameter: effect.value + size}
-        return simulate(scene.with_values(values)).impacts["peak_force"].max() - before
+        return simulate(scene.with_values(values)).impacts["peak_force"].max() - peak
 
-    before = simulate(scene).impacts["peak_force"].max()
-    varied = [effect for effect in ranking.effects if effect.value or effect.unit == "rad"]
-    shares = {effect.parameter: change(effect) / size for effect in varied}
+    peak = simulate(scene).impacts["peak_force"].max()
+    effects = [effect for effect in ranking.effects if effect.value or effect.unit == "rad"]
+    shares = {effect.parameter: change(effect) / size for effect in effects}
     return dict(sorted(shares.items(), key=lambda entry: -abs(entry[1])))
 
 
@@ -206,19 +208,21 @@ def test_a_ranking_has_the_effects_of_the_ranking_of_a_result(show):
     page.locator("#map-ranking-text").get_by_text("Largest force at a wall = 19.10\u202fkN.").wait_for()
     assert page.inner_text("#map-title") == "Effects of single parameters"
     fields = page.locator("#map :is(select, input, button):visible").evaluate_all(
-        "all => all.map((one) => one.id)"
+        "all => all.map((element) => element.id)"
     )
     assert not {"map-x-name", "map-scale", "map-limit", "map-run"} & {*fields}, "nothing is shown in vain"
-    told = page.evaluate(RANKED)
+    listed_effects = page.evaluate(RANKED)
     result = simulate("four_link_box", sensitivities=["*"])
     ranking = result.ranking("peak_force")
-    shares = {name: float(text.replace("−", "-").removesuffix("\u202f%")) for name, text in told}
+    shares = {name: float(text.replace("−", "-").removesuffix("\u202f%")) for name, text in listed_effects}
     angles = {effect.parameter for effect in ranking.effects if effect.unit == "rad"}
     steps = page.locator(".effect > :nth-child(2)").all_inner_texts()
     for step, is_angle in (("+ 1\u202f%", False), ("+ 1°", True)):
-        group = [name for (name, _), one in zip(told, steps, strict=True) if one == step]
-        exact = share_by_step(ranking, exactly=True)
-        expected = {name: share for name, share in exact.items() if (name in angles) == is_angle}
+        group = [
+            name for (name, _), step_text in zip(listed_effects, steps, strict=True) if step_text == step
+        ]
+        shares_of_runs = share_by_step(ranking, exactly=True)
+        expected = {name: share for name, share in shares_of_runs.items() if (name in angles) == is_angle}
         assert group == list(expected)[: len(group)], "each kind of step has a group"
         assert [shares[name] for name in group] == pytest.approx(
             list(expected.values())[: len(group)], rel=0.1
@@ -231,11 +235,11 @@ def test_a_ranking_has_the_effects_of_the_ranking_of_a_result(show):
         "bars => bars.map(({ style }) => [style.getPropertyValue('--from'), style.getPropertyValue('--to')])"
     )
     assert all("0%" in ends or "100%" in ends for ends in longest), "each group has a scale of its own"
-    more = page.get_by_role("button", name="Show all ")
-    count = int(more.inner_text().split()[-1])
-    more.click()
+    more_button = page.get_by_role("button", name="Show all ")
+    count = int(more_button.inner_text().split()[-1])
+    more_button.click()
     assert page.locator(".effect").count() == count > len(steps)
-    assert more.count() == 0
+    assert more_button.count() == 0
     table = saved(page, "Ranking as CSV").read_text().splitlines()
     assert table[0].startswith("parameter,value,step,change of peak_force")
     assert len(table) > 1 + count
@@ -320,7 +324,7 @@ def test_a_closed_map_stops_and_a_new_one_replaces_an_incomplete_one(show):
     page = show(hash_="#simulation.stop_time=400")
     page.get_by_role("button", name="Map…").click()
     page.get_by_role("button", name="Simulate 41 × 41 runs").click()
-    until_told(page, "of 41 rows", "map-text")
+    until_text(page, "of 41 rows", "map-text")
     while len(page.workers) == 1:
         page.wait_for_timeout(50)
     page.keyboard.press("Escape")
@@ -334,7 +338,7 @@ def test_a_closed_map_stops_and_a_new_one_replaces_an_incomplete_one(show):
         page.get_by_role("button", name="Simulate 41 × 41 runs").click()
     page.locator("#map-text").get_by_text("1681 runs in").wait_for()
     page.locator("#map-canvas").hover()
-    until_told(page, "Number of impacts = ", "map-text")
+    until_text(page, "Number of impacts = ", "map-text")
 
 
 def test_a_map_goes_by_the_keyboard(show):
@@ -349,11 +353,11 @@ def test_a_map_goes_by_the_keyboard(show):
     page.keyboard.press("ArrowUp")
     assert page.text_content("#map-text") != middle
     assert page.locator(".map-chosen").count() == 1
-    told = float(re.search(r"Restitution = ([\d.]+)", page.text_content("#map-text"))[1])
+    restitution = float(re.search(r"Restitution = ([\d.]+)", page.text_content("#map-text"))[1])
     page.keyboard.press("Enter")
     assert page.locator("#map-text").inner_text().startswith("Present run: ")
     assert float(page.evaluate("chainImpact.parameters['contact.restitution']")) == pytest.approx(
-        told, rel=1e-4
+        restitution, rel=1e-4
     )
 
 
@@ -397,24 +401,24 @@ def test_a_map_tells_when_where_and_how_hard_the_first_impact_is(show):
     page.locator("#map-y-from").fill("-20")
     page.locator("#map-y-to").fill("20")
     draw_map(page)
-    found = {}
+    rows_of_outputs = {}
     for output in ("onset", "peak_force", "place"):
         page.locator("#map-output").select_option(f"impact[1].{output}")
         _, *rows = saved(page, "Map as CSV").read_text().splitlines()
-        found[output] = [row.split(",") for row in rows]
+        rows_of_outputs[output] = [row.split(",") for row in rows]
     for run in (3, 1600):
-        e, angle, onset = map(float, found["onset"][run])
+        e, angle, onset = map(float, rows_of_outputs["onset"][run])
         values = {**MAP, "contact.restitution": e, "initial.angle[1]": angle}
         first = simulate(load_scene("rod_drop").with_values(values)).impacts[0]
-        force = float(found["peak_force"][run][2])
+        force = float(rows_of_outputs["peak_force"][run][2])
         assert (onset, force) == pytest.approx((first["onset"], first["peak_force"]), rel=1e-9)
-        assert found["place"][run][2] == f"{first['point']} floor"
+        assert rows_of_outputs["place"][run][2] == f"{first['point']} floor"
     texts = page.locator("#map-scales text:not(.map-value)").all_text_contents()
     assert texts[-3:] == ["0 floor", "1 floor", "First impact: point and wall"]
     assert page.locator(".map-swatch").count() == 2, "a colour for each class"
     assert page.locator("#map-limit").is_disabled()
     page.locator("#map-output").select_option("impact[1].peak_force")
-    middle = np.median([float(row[2]) for row in found["peak_force"]])
+    middle = np.median([float(row[2]) for row in rows_of_outputs["peak_force"]])
     for text in (f"{middle / 1e3:.6g}", f"{middle:.6g} N"):
         enter(page, "Limit", text)
         page.locator("#map-text").get_by_text("50\u202f% of them are within the limit").wait_for()

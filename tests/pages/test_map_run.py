@@ -17,7 +17,7 @@ NOTE_TEXTS = """() => {
   const text = document.getElementById("map-text");
   new MutationObserver(() => texts.push(text.textContent)).observe(text, { childList: true });
 }"""
-"""Notes all texts of the map from now on: a text that a new preview replaces soon cannot be waited for."""
+"""Notes each text of the map from now on, because a text that a new preview soon replaces may not be seen."""
 
 
 def open_map(page):
@@ -61,8 +61,8 @@ def test_a_run_leaves_the_way_back_to_its_map(show):
 
 
 def test_the_map_stays_under_the_finger_when_its_text_grows(show):
-    small = {"width": 360, "height": 800}
-    page = show("four_link_box", {"simulation.stop_time": 0.5}, viewport=small, has_touch=True)
+    size = {"width": 360, "height": 800}
+    page = show("four_link_box", {"simulation.stop_time": 0.5}, viewport=size, has_touch=True)
     open_map(page)
     draw_map(page)
     text, canvas = page.locator("#map-text"), page.locator("#map-canvas")
@@ -88,7 +88,7 @@ def test_a_map_grows_with_the_window(show):
         page.locator("#map-enlarge").click()
         box = canvas.bounding_box()
         sizes.append((box["width"], box["height"]))
-        assert dialog.evaluate("one => one.scrollHeight <= one.clientHeight")
+        assert dialog.evaluate("element => element.scrollHeight <= element.clientHeight")
         page.keyboard.press("Escape")
         assert panels[-1] == canvas.bounding_box()["height"], "it stands beside the motion again"
         page.keyboard.press("Escape")
@@ -104,8 +104,8 @@ def test_the_map_of_a_wide_screen_stays_beside_the_motion(show):
     page = show("rod_drop", {"simulation.stop_time": 0.3}, viewport=LARGE)
     open_map(page)
     boxes = [page.locator(part).bounding_box() for part in ("#parameters", "#map", "#stage", "aside")]
-    for left, right in pairwise(boxes):
-        assert left["x"] + left["width"] < right["x"], "no part covers another"
+    for left_box, right_box in pairwise(boxes):
+        assert left_box["x"] + left_box["width"] < right_box["x"], "no part covers another"
     restitution = "chainImpact.parameters['contact.restitution']"
     text, canvas, ring = page.locator("#map-text"), page.locator("#map-canvas"), page.locator(".map-present")
     opened = []
@@ -115,7 +115,7 @@ def test_the_map_of_a_wide_screen_stays_beside_the_motion(show):
         opened.append(page.evaluate(restitution))
         place = canvas.bounding_box()
         page.mouse.move(5, 5)
-        middle = ring.first.evaluate("one => one.getBoundingClientRect().x + 6.5")
+        middle = ring.first.evaluate("element => element.getBoundingClientRect().x + 6.5")
         assert abs(middle - place["x"] - x) < place["width"] / 8, "the ring marks the opened run"
         assert text.inner_text().startswith("Present run: ")
     assert opened[0] != opened[1]
@@ -125,6 +125,6 @@ def test_the_map_of_a_wide_screen_stays_beside_the_motion(show):
     page.evaluate(NOTE_TEXTS)
     enter(page, "Stiffness", "1e6")
     text.get_by_text("The ring is the present run.").wait_for()
-    assert any("Other parameters have changed" in told for told in page.evaluate("texts"))
+    assert any("Other parameters have changed" in map_text for map_text in page.evaluate("texts"))
     page.set_viewport_size(DESK | {"width": 1100})
     until(page, "document.getElementById('map').matches(':modal')")  # without room it covers the page

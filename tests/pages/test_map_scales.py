@@ -19,8 +19,8 @@ pytestmark = needs_browser
 def test_angles_in_degrees_are_taken_in_every_field(show):
     page = show("rod_drop", MAP)
     page.evaluate("chainImpact.show({ 'initial.angle[1]': '20 deg' })")
-    shown = "chainImpact.parameters['initial.angle[1]']"
-    assert float(page.evaluate(shown)) == pytest.approx(math.radians(20.0), rel=1e-15)
+    present_angle = "chainImpact.parameters['initial.angle[1]']"
+    assert float(page.evaluate(present_angle)) == pytest.approx(math.radians(20.0), rel=1e-15)
     page.locator("#list-of-parameters summary").click()
     for name, text in (("initial.angle[1]", "-30deg"), ("initial.angular_velocity[1]", "90 deg/s")):
         field = page.locator(f"#list-of-parameters input[data-parameter='{name}']")
@@ -47,14 +47,14 @@ def test_the_runs_of_a_map_are_read_in_the_unit_of_its_colours(show):
     page.locator("#map-x-from").fill("10")
     page.locator("#map-x-to").fill("1e7")
     draw_map(page)
-    box, told = page.locator("#map-canvas").bounding_box(), set()
+    box, units = page.locator("#map-canvas").bounding_box(), set()
     for share in np.linspace(0.01, 0.99, 9):
         page.locator("#map-canvas").hover(position={"x": share * box["width"], "y": 0.5 * box["height"]})
         number, unit = re.search(
             r"Largest force at a wall = ([\d.e-]+)\s(\w+)", page.inner_text("#map-text")
         ).groups()
-        told.add((float(number) < 1.0, unit))
-    assert told == {(True, "kN"), (False, "kN")}
+        units.add((float(number) < 1.0, unit))
+    assert units == {(True, "kN"), (False, "kN")}
 
 
 def test_the_scale_of_a_number_of_impacts_has_whole_numbers(show):
@@ -117,8 +117,8 @@ def test_an_axis_of_a_stiffness_goes_by_decades(show):
     present = float(page.evaluate("chainImpact.parameters['contact.stiffness']"))
     assert (low, high) == pytest.approx((present / 10, present * 10))
     page.locator("#map-canvas").press("ArrowRight")  # the run in the middle
-    told = re.search(r"Stiffness = ([\d.e]+)", page.text_content("#map-text"))[1]
-    assert float(told) == pytest.approx(present, rel=1e-4)
+    stiffness_text = re.search(r"Stiffness = ([\d.e]+)", page.text_content("#map-text"))[1]
+    assert float(stiffness_text) == pytest.approx(present, rel=1e-4)
     numbers = page.locator("#map-scales text").all_text_contents()
     assert {f"{power:.0e}".replace("+0", "") for power in (low, present, high)} <= set(numbers)
 
@@ -145,19 +145,19 @@ def test_a_map_tells_numbers_of_runs_the_present_run_and_the_pointers(show):
     page = show("rod_drop", MAP)
     page.get_by_role("button", name="Map…").click()
     page.locator("#map-text").get_by_text("The ring is the present run.").wait_for()
-    shown = {float(text) for text in page.locator(".map-value").all_text_contents()}
+    values_in_map = {float(text) for text in page.locator(".map-value").all_text_contents()}
     low, high = (float(page.locator(f"#map-y-{end}").input_value()) for end in ("from", "to"))
     left = float(page.locator("#map-x-from").input_value())
     second = {"contact.restitution": left, "initial.angle[1]": np.deg2rad(low + (high - low) / 8)}
     corner = simulate(load_scene("rod_drop").with_values(MAP | second)).impacts["peak_force"].max() / 1e3
-    assert min(abs(value / corner - 1.0) for value in shown) < 5e-3, "a run at the left is told"
+    assert min(abs(value / corner - 1.0) for value in values_in_map) < 5e-3, "a run at the left is told"
     present = simulate(load_scene("rod_drop").with_values(MAP)).impacts["peak_force"].max()
     number = page.text_content(".map-value.of-present")
     assert float(number) == pytest.approx(present / 1e3, rel=5e-3)
     page.locator("#map-canvas").hover(position={"x": 5, "y": 5})
     label = page.text_content(".map-label-text")
-    told = re.search(r"Largest force at a wall = ([\d.]+)", page.inner_text("#map-text"))[1]
-    assert float(label.split("\u202f")[0]) == pytest.approx(float(told), rel=5e-3)
+    force_text = re.search(r"Largest force at a wall = ([\d.]+)", page.inner_text("#map-text"))[1]
+    assert float(label.split("\u202f")[0]) == pytest.approx(float(force_text), rel=5e-3)
     assert page.locator(".map-at").count() == 1, "the scale of colours has a mark, too"
     page.mouse.move(1, 1)
     page.locator("#map-text").get_by_text("The ring is the present run.").wait_for()
@@ -200,10 +200,10 @@ def test_the_colours_of_crowded_values_have_equally_many_runs(script):
     assert (shares[0], shares[-1]) == (0.0, 1.0)
     assert shares[50] == pytest.approx(0.5, abs=0.03)
     assert len(knots) == 9
-    usual = "(all) => all.map(colourScale(all, false).shareOf)"
-    assert script.evaluate(usual, values) == shares, "crowded values take such colours by themselves"
+    usual_shares = "(all) => all.map(colourScale(all, false).shareOf)"
+    assert script.evaluate(usual_shares, values) == shares, "crowded values take such colours by themselves"
     even = [1 + 0.01 * k for k in range(100)]
-    assert np.ptp(np.diff(script.evaluate(usual, even)) / np.diff(even)) < 1e-9, "others are linear"
+    assert np.ptp(np.diff(script.evaluate(usual_shares, even)) / np.diff(even)) < 1e-9, "others are linear"
 
 
 def test_the_line_of_a_limit_goes_along_cells(script):
@@ -220,9 +220,9 @@ def test_the_line_of_a_limit_goes_along_cells(script):
     assert outer == [[[0.5, 0], [0.5, 0.5]], [[0.5, 0.5], [0.5, 1]]]
 
 
-HIDDEN = """() => {
+HIDDEN_NUMBERS = """() => {
   const label = document.querySelector('.map-label').getBoundingClientRect();
-  return [...document.querySelectorAll('.map-value')].map((one) => one.getBoundingClientRect())
+  return [...document.querySelectorAll('.map-value')].map((element) => element.getBoundingClientRect())
     .filter(({ left, right }) => left < label.right && right > label.left)
     .filter(({ top, bottom }) => top + 3 < label.bottom && bottom - 3 > label.top).length;
 }"""
@@ -234,7 +234,7 @@ def test_the_label_of_a_run_covers_no_number_and_tablets_have_all_columns(show):
     page.get_by_role("button", name="Map…").click()
     page.locator("#map-text").get_by_text("A preview of").wait_for()
     places = page.locator(".map-value:not(.of-present)").evaluate_all(
-        "all => all.map((one) => one.getAttribute('x'))"
+        "all => all.map((element) => element.getAttribute('x'))"
     )
     assert len(set(places)) == 7, "all columns, except the outer ones, which have half a width"
     draw_map(page)
@@ -242,13 +242,13 @@ def test_the_label_of_a_run_covers_no_number_and_tablets_have_all_columns(show):
     for share in np.linspace(0.1, 0.9, 7):
         page.locator("#map-canvas").hover(position={"x": share * box["width"], "y": share * box["height"]})
         page.locator(".map-label-text").wait_for()
-        assert page.evaluate(HIDDEN) == 0
+        assert page.evaluate(HIDDEN_NUMBERS) == 0
 
 
-TEXTS = """(kind) => [...document.querySelectorAll(`#map-scales ${kind}`)].map((one) => {
+TEXTS = """(kind) => [...document.querySelectorAll(`#map-scales ${kind}`)].map((element) => {
   const [{ left, right, top, bottom }, frame] =
-    [one, document.getElementById("map-frame")].map((part) => part.getBoundingClientRect());
-  return [one.textContent, left - frame.left, right - frame.left, top, bottom, frame.width];
+    [element, document.getElementById("map-frame")].map((part) => part.getBoundingClientRect());
+  return [element.textContent, left - frame.left, right - frame.left, top, bottom, frame.width];
 })"""
 """Each text of a kind in a map, its edges, and the width of the map's frame."""
 
@@ -262,13 +262,20 @@ def test_the_texts_of_a_map_are_whole_on_a_phone(show, model):
     page.get_by_role("button", name="Fields").click()
     for output in page.locator("#map-output option").evaluate_all("all => all.map(({ value }) => value)"):
         page.locator("#map-output").select_option(output)
-        found = page.evaluate(TEXTS, "text")
-        assert [text for text, left, right, *_, width in found if left < -1 or right > width + 1] == []
+        texts = page.evaluate(TEXTS, "text")
+        assert [
+            text for text, left_end, right_end, *_, width in texts if left_end < -1 or right_end > width + 1
+        ] == []
         values = page.evaluate(TEXTS, ".map-value")
-        for k, (text, left, right, top, bottom, _) in enumerate(values):
-            for other in values[k + 1 :]:
-                is_apart = right < other[1] or other[2] < left or bottom < other[3] + 3 or other[4] < top + 3
-                assert is_apart, (output, text, other[0])
+        for k, (text, left_end, right_end, top, bottom, _) in enumerate(values):
+            for other_text in values[k + 1 :]:
+                is_apart = (
+                    right_end < other_text[1]
+                    or other_text[2] < left_end
+                    or bottom < other_text[3] + 3
+                    or other_text[4] < top + 3
+                )
+                assert is_apart, (output, text, other_text[0])
     if model == "four_link_box":
         page.locator("#map-output").select_option("peak_force")
         page.locator("#map-scale").select_option("equal")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene
-from tests.pages.in_pages import DESK, PHONE, enter, impacts_of, until, until_told
+from tests.pages.in_pages import DESK, PHONE, enter, impacts_of, until, until_text
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
@@ -70,20 +70,22 @@ def test_a_value_typed_after_a_click_replaces_the_present_one(show):
 def test_a_refused_value_is_marked_and_told_until_it_is_changed(show):
     page = show()
     field = page.get_by_role("textbox", name="contact.stiffness")
-    usual = field.evaluate(COLOUR)
+    usual_colour = field.evaluate(COLOUR)
     enter(page, "contact.stiffness", "-1")
-    told = "Stiffness = -1 must be a finite number > 0 [N/m^exponent]"
-    assert field.evaluate("field => field.validationMessage") == told
+    message = "Stiffness = -1 must be a finite number > 0 [N/m^exponent]"
+    assert field.evaluate("field => field.validationMessage") == message
     page.get_by_role("textbox", name="gravity.y").focus()
     refused = page.get_by_role("alert").filter(has_text="Not taken")
-    shown = told.replace("N/m^exponent", "N/m¹·⁵")
-    assert re.sub(r"\s", " ", refused.inner_text()) == f"Not taken: {shown}. The motion has 1e8 N/m¹·⁵."
-    assert field.evaluate(COLOUR) != usual
+    shown_message = message.replace("N/m^exponent", "N/m¹·⁵")
+    assert (
+        re.sub(r"\s", " ", refused.inner_text()) == f"Not taken: {shown_message}. The motion has 1e8 N/m¹·⁵."
+    )
+    assert field.evaluate(COLOUR) != usual_colour
     assert page.evaluate("chainImpact.parameters['contact.stiffness']") == "1e8"
     enter(page, "contact.stiffness", "1e6")
     assert refused.count() == 0
-    assert field.evaluate(COLOUR) == usual
-    until_told(page, impacts_of({"contact.stiffness": 1e6}))
+    assert field.evaluate(COLOUR) == usual_colour
+    until_text(page, impacts_of({"contact.stiffness": 1e6}))
 
 
 def test_escape_and_reset_bring_back_the_value_that_holds(show):
@@ -106,8 +108,8 @@ def test_the_reason_of_a_refusal_is_in_sight_on_a_phone(show):
     page = show("pinned_arm", viewport=PHONE)
     enter(page, "contact.restitution", "2")
     reason = page.locator(".main-parameter .refusal").filter(has_text="Not taken")
-    below = page.locator("footer").bounding_box()["y"]
-    until(page, f"{BOTTOM} <= {below}")
+    top_of_footer = page.locator("footer").bounding_box()["y"]
+    until(page, f"{BOTTOM} <= {top_of_footer}")
     assert reason.bounding_box()["y"] >= page.locator("#stage").bounding_box()["y"]
 
 
@@ -118,7 +120,7 @@ BOTTOM = """Math.max(...[...document.querySelectorAll(".main-parameter .refusal"
 def test_an_empty_field_and_a_wrong_word_for_degrees_are_told(show):
     page = show("pinned_arm")
     page.locator("#list-of-parameters summary").click()
-    for name, text, told in (
+    for name, text, ending in (
         (
             "contact.stiffness",
             "1e8 N/cm",
@@ -131,7 +133,7 @@ def test_an_empty_field_and_a_wrong_word_for_degrees_are_told(show):
         field = page.locator(f"#list-of-parameters input[data-parameter='{name}']")
         field.fill(text)
         field.press("Enter")
-        assert told in page.locator(".parameter .refusal:not(:empty)").last.inner_text()
+        assert ending in page.locator(".parameter .refusal:not(:empty)").last.inner_text()
 
 
 def test_the_field_of_a_value_with_which_the_run_fails_tells_why(show):
@@ -157,7 +159,7 @@ def test_typing_after_tab_replaces_a_rounded_angle_in_degrees(show):
     page.get_by_role("searchbox").fill("initial.angle[1]")
     for _ in range(20):
         page.keyboard.press("Tab")
-        if field.evaluate("one => one === document.activeElement"):
+        if field.evaluate("element => element === document.activeElement"):
             break
     page.keyboard.type("25")
     page.keyboard.press("Enter")
@@ -172,7 +174,7 @@ def test_a_ratio_takes_percents(show):
 def test_an_angle_of_many_turns_is_told(show):
     page = show("pinned_arm")
     enter(page, "initial.angle[1]", "36000")
-    told = page.locator("[id='no-effect-initial.angle[1]']")
-    assert told.inner_text() == "These are 100 turns."
+    note = page.locator("[id='no-effect-initial.angle[1]']")
+    assert note.inner_text() == "These are 100 turns."
     enter(page, "initial.angle[1]", "350")
-    assert told.inner_text() == ""
+    assert note.inner_text() == ""

@@ -4,7 +4,7 @@
 
 import pytest
 
-from tests.pages.in_pages import DESK, PHONE, enter, impacts_of, until, until_told
+from tests.pages.in_pages import DESK, PHONE, enter, impacts_of, until, until_text
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -26,15 +26,17 @@ def test_the_row_of_a_refused_value_is_marked_in_the_list(show):
     page = show()
     page.locator("summary", has_text="All parameters").click()
     row = page.locator(".parameter", has=page.get_by_role("textbox", name="link[2].mass"))
-    styles = "[row, row.querySelector('.parameter-name')].map((one) => getComputedStyle(one))"
+    styles = "[row, row.querySelector('.parameter-name')].map((element) => getComputedStyle(element))"
     look = f"row => {styles}.map(({{ boxShadow, color }}, k) => (k ? color : boxShadow))"
-    usual = row.evaluate(look)
+    usual_look = row.evaluate(look)
     field = row.get_by_role("textbox")
     field.fill("heavy")
     field.press("Tab")
-    assert all(now != before for now, before in zip(row.evaluate(look), usual, strict=True))
+    assert all(
+        look_now != look_before for look_now, look_before in zip(row.evaluate(look), usual_look, strict=True)
+    )
     field.press("Escape")
-    assert row.evaluate(look) == usual
+    assert row.evaluate(look) == usual_look
 
 
 def test_the_fields_of_the_list_have_room_for_their_numbers(show):
@@ -42,7 +44,12 @@ def test_the_fields_of_the_list_have_room_for_their_numbers(show):
     fields = page.locator(".parameter input")
     fields.first.wait_for()
     assert {"1.0004e-4", "-9.80834"} <= {field.input_value() for field in fields.all()}
-    assert fields.evaluate_all("all => all.filter((one) => one.scrollWidth > one.clientWidth).length") == 0
+    assert (
+        fields.evaluate_all(
+            "all => all.filter((element) => element.scrollWidth > element.clientWidth).length"
+        )
+        == 0
+    )
 
 
 def test_the_list_has_every_parameter_and_is_searched(show):
@@ -54,8 +61,10 @@ def test_the_list_has_every_parameter_and_is_searched(show):
     row = rows.filter(has_text="link[2].\u200bmass").first
     row.locator("input").fill("heavy")
     row.locator("input").press("Enter")
-    told = "Not taken: Mass of link 2 = heavy must be a finite number >\xa00 [kg]. The motion has 1\u202fkg."
-    assert row.locator(".refusal").inner_text() == told
+    refusal_text = (
+        "Not taken: Mass of link 2 = heavy must be a finite number >\xa00 [kg]. The motion has 1\u202fkg."
+    )
+    assert row.locator(".refusal").inner_text() == refusal_text
     page.get_by_role("slider", name="Restitution").press("ArrowLeft")
     assert row.locator("input").input_value() == "1", "another change shows the value that holds"
     assert not row.locator(".refusal").is_visible()
@@ -65,7 +74,7 @@ def test_the_list_has_every_parameter_and_is_searched(show):
     assert any("mass" in text for text in visible)
     assert len(visible) < 4
     enter(page, "link[2].mass", "3")
-    until_told(page, impacts_of({"link[2].mass": 3.0}))
+    until_text(page, impacts_of({"link[2].mass": 3.0}))
     page.get_by_role("searchbox").fill("no such thing")
     assert page.get_by_text("No parameter has such a name.").is_visible()
 
@@ -73,17 +82,17 @@ def test_the_list_has_every_parameter_and_is_searched(show):
 def test_words_and_keys_find_a_parameter(show):
     page = show()
     page.locator("summary", has_text="All parameters").click()
-    seen = page.locator(".parameter:visible .key")
-    for typed, found in {
+    visible_keys = page.locator(".parameter:visible .key")
+    for search_text, expected in {
         "initial height": {"initial.y"},
         "mass of link 2": {f"link[2].{key}" for key in ("mass", "center_of_mass", "inertia")},
         "link[2].mass": {"link[2].mass"},
         "position right wall": {"box.x_max"},
         "Contact LAW": {"contact.model"},
     }.items():
-        page.get_by_role("searchbox").fill(typed)
-        assert found <= {key.replace("\u200b", "") for key in seen.all_inner_texts()}, typed
-        assert seen.count() < 4, typed
+        page.get_by_role("searchbox").fill(search_text)
+        assert expected <= {key.replace("\u200b", "") for key in visible_keys.all_inner_texts()}, search_text
+        assert visible_keys.count() < 4, search_text
 
 
 def test_the_list_has_groups_with_titles_and_the_changed_ones_first(show):
@@ -103,14 +112,16 @@ def test_the_list_has_groups_with_titles_and_the_changed_ones_first(show):
         "Simulation",
     ]
     assert titles.all_inner_texts() == expected
-    names = "one => [...one.parentNode.querySelectorAll('.parameter-name')].map((name) => name.textContent)"
+    names = (
+        "title => [...title.parentNode.querySelectorAll('.parameter-name')].map((name) => name.textContent)"
+    )
     assert titles.first.evaluate(names) == ["Mass of link 2 link[2].\u200bmass"]
     assert titles.nth(2).evaluate(names)[:2] == ["Length link[1].\u200blength", "Mass link[1].\u200bmass"]
     page.get_by_role("searchbox").fill("radius")
     assert titles.all_inner_texts() == ["Contact"]
     page.get_by_role("searchbox").fill("radus of contact")
-    nearest = "No parameter has such a name; the nearest is Radius of contact."
-    assert page.locator(".nothing").first.inner_text() == nearest
+    sentence = "No parameter has such a name; the nearest is Radius of contact."
+    assert page.locator(".nothing").first.inner_text() == sentence
     page.get_by_role("button", name="Radius of contact").click()
     assert titles.all_inner_texts() == ["Contact"], "the nearest name is searched"
     page.get_by_role("searchbox").fill("friction")
@@ -128,7 +139,7 @@ def test_a_choice_that_is_none_is_answered_with_names(show):
 def test_a_law_without_friction_offers_to_take_it_away(show):
     page = show("sliding_rod")
     page.evaluate("chainImpact.show({'contact.model': 'newton_impact'})")
-    until_told(page, "newton_impact has no contact friction", "status")
+    until_text(page, "newton_impact has no contact friction", "status")
     page.get_by_role("button", name="Set the friction of walls to 0").click()
     until(page, "document.getElementById('status').hidden")
     values = page.evaluate("chainImpact.parameters")

@@ -5,7 +5,7 @@
 import pytest
 
 from chain_impact import load_scene, simulate
-from tests.pages.in_pages import ON_ITS_SIDE, PHONE, resize, until, until_told
+from tests.pages.in_pages import ON_ITS_SIDE, PHONE, resize, until, until_text
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -47,7 +47,7 @@ def test_a_phone_has_links_to_the_parts_of_the_page(show):
     for name, part in parts.items():
         page.locator("#jumps").get_by_role("link", name=name).tap()
         until(page, f"document.querySelector('{part}').getBoundingClientRect().top >= 0")
-        stage, place = (page.locator(one).bounding_box() for one in ("#stage", part))
+        stage, place = (page.locator(selector).bounding_box() for selector in ("#stage", part))
         assert place["y"] < (stage["y"] if name == "Motion" else PHONE["height"] - 200.0)
         assert name == "Motion" or place["y"] >= stage["y"] + stage["height"]
         until(page, f"document.querySelector('#jumps [aria-current]').textContent === '{name}'")
@@ -64,7 +64,7 @@ def test_the_list_of_impacts_scrolls_with_the_page_of_a_phone(show, size):
     page.get_by_role("button", name="All 14 impacts").click()
     assert rows.count() == 14
     box = page.locator("#impacts")
-    assert box.evaluate("one => one.scrollHeight <= one.clientHeight")
+    assert box.evaluate("element => element.scrollHeight <= element.clientHeight")
 
 
 def test_a_phone_shows_force_and_result_beside_the_slider_that_moves(show):
@@ -77,9 +77,9 @@ def test_a_phone_shows_force_and_result_beside_the_slider_that_moves(show):
     until(page, "/largest/.test(document.querySelector('.outcome')?.textContent)")
     restitution = float(page.evaluate("chainImpact.parameters['contact.restitution']"))
     run = simulate(load_scene("four_link_box").with_values({"contact.restitution": restitution}))
-    until_told(page, f"{len(run.impacts)} impact")
-    largest = f"{run.impacts['peak_force'].max() / 1e3:.1f}\u202fkN"
-    assert row.locator(".outcome").inner_text() == f"{len(run.impacts)} impacts, largest {largest}"
+    until_text(page, f"{len(run.impacts)} impact")
+    peak_text = f"{run.impacts['peak_force'].max() / 1e3:.1f}\u202fkN"
+    assert row.locator(".outcome").inner_text() == f"{len(run.impacts)} impacts, largest {peak_text}"
 
 
 @pytest.mark.parametrize("pins", [False, True])
@@ -87,9 +87,9 @@ def test_a_phone_on_its_side_shows_force_and_motion_beside_a_slider(show, pins):
     page = show(viewport=ON_ITS_SIDE, has_touch=True)
     if pins:
         page.get_by_role("button", name="Pin").click()
-    whole = page.locator("#view").bounding_box()
-    assert whole["width"] > 560.0
-    assert whole["height"] > 290.0, "folded parameters leave their room to the motion"
+    view = page.locator("#view").bounding_box()
+    assert view["width"] > 560.0
+    assert view["height"] > 290.0, "folded parameters leave their room to the motion"
     page.get_by_role("button", name="Parameters").click()
     names = ("#parameters", "#stage", "#contact", "footer", "#energy")
     parameters, stage, contact, foot, energy = (page.locator(name).bounding_box() for name in names)
@@ -116,22 +116,27 @@ def test_a_phone_has_motion_pins_and_force_above_the_parameters(show, scheme):
         "cart_pole", hash_="#curves=energy.total", viewport=PHONE, has_touch=True, color_scheme=scheme
     )
     until(page, "document.getElementById('outputs-card').checkVisibility()")
-    below = ["parameters", "outputs-card", "inputs-card", "energy-card", "list"]
+    lower_sections = ["parameters", "outputs-card", "inputs-card", "energy-card", "list"]
     sections = function_of("layout", "sectionsDownwards")
-    assert page.evaluate(sections) == ["stage", "contact", *below]
+    assert page.evaluate(sections) == ["stage", "contact", *lower_sections]
     page.get_by_role("button", name="Pin").click()
     page.evaluate("chainImpact.show({'contact.restitution': 0.5})")
     until(page, "document.querySelector('#pins td small')")
-    assert page.evaluate(sections) == ["stage", "pins", "contact", *below]
+    assert page.evaluate(sections) == ["stage", "pins", "contact", *lower_sections]
     sizes = "({ scrollWidth, clientWidth, scrollHeight, clientHeight }) =>"
     card = page.locator("#pins")
     assert card.evaluate(f"{sizes} [scrollWidth - clientWidth, scrollHeight - clientHeight]") == [0, 0]
     heads = card.locator("thead th").all_text_contents()[1:]
-    above = "(cells) => cells.map((one) => getComputedStyle(one, '::before').content.slice(1, -1))"
-    told = [row.locator("td:not(.reference)").evaluate_all(above) for row in card.locator("tbody tr").all()]
-    assert told == [heads, heads[:3]], "each number has its head above"
-    shown = "(cells) => cells.map((one) => getComputedStyle(one, '::before').display)"
-    assert {*card.locator("tbody td:not(.reference)").evaluate_all(shown)} == {"block"}
+    heads_of_cells = (
+        "(cells) => cells.map((element) => getComputedStyle(element, '::before').content.slice(1, -1))"
+    )
+    heads_of_rows = [
+        row.locator("td:not(.reference)").evaluate_all(heads_of_cells)
+        for row in card.locator("tbody tr").all()
+    ]
+    assert heads_of_rows == [heads, heads[:3]], "each number has its head above"
+    displays = "(cells) => cells.map((element) => getComputedStyle(element, '::before').display)"
+    assert {*card.locator("tbody td:not(.reference)").evaluate_all(displays)} == {"block"}
     cells = card.locator("tbody tr").first.locator(":is(th, td):visible").all()
     assert len(cells) == 7
     assert len({cell.bounding_box()["y"] for cell in cells}) == 3, "a name, and two lines of numbers"

@@ -75,11 +75,11 @@ def test_a_page_starts_paused_and_its_clock_keeps_its_rate(show_recording):
     passed = []
     for key in ("Shift+ArrowRight", "s", "ArrowUp"):
         page.keyboard.press(key)
-        before = time_after(page, 50)
+        time_before = time_after(page, 50)
         page.keyboard.press("Space")
         page.clock.run_for(330)
         page.keyboard.press("Space")
-        passed.append(time_after(page, 50) - before)
+        passed.append(time_after(page, 50) - time_before)
     assert 1e-5 < passed[0] < 3e-3
     assert passed[1:] == pytest.approx([0.33, 0.66], abs=0.05)
 
@@ -100,8 +100,8 @@ def test_energies_below_zero_have_as_many_digits_as_those_above(show_recording):
     time = np.linspace(0.0, 1.0, 20)
     columns = {f"point[{k}].{axis}": k + 0 * time for k in (0, 1) for axis in "xy"}
     columns |= {"energy.supplied": -1234.5 + time}
-    shown = show_recording(Recording("Deep", time, columns)).inner_text("#energies dd")
-    assert shown in ("\u22121234", "\u22121235")
+    energy_text = show_recording(Recording("Deep", time, columns)).inner_text("#energies dd")
+    assert energy_text in ("\u22121234", "\u22121235")
 
 
 def test_impacts_between_two_rows_are_in_the_list(show_recording):
@@ -131,10 +131,10 @@ def test_clicks_keys_slider_and_chart_go_to_a_moment(show_recording, recording):
         newtons = page.text_content(".force-text").replace("kN", "e3").replace("N", "")
         assert float(newtons.replace("\u202f", "")) == pytest.approx(impact["peak_force"], rel=0.02)
         wall = {"y_min": "floor", "x_max": "right wall"}[recording.wall_names[impact["wall"]]]
-        where = f"point {impact['point']} at the {wall}"
+        contact_text = f"point {impact['point']} at the {wall}"
         caption = page.inner_text("#caption")
         assert caption.startswith(f"Impact {number} of 14: {page.text_content('.force-text')}, ")
-        assert caption.endswith(f"m/s, {where}")
+        assert caption.endswith(f"m/s, {contact_text}")
         assert page.inner_text("tr[aria-current] button") == str(number)
     assert press(page, "Home") == 0.0
     times = [press(page, key) for key in ["Shift+ArrowRight"] * 3 + ["Shift+ArrowLeft"]]
@@ -187,15 +187,15 @@ def test_list_caption_and_force_chart_name_the_same_impact_at_every_moment(show_
     middle = (second["end"] + third["onset"]) / 2
     assert named(page) == (1, 1, 1)
     page.get_by_role("button", name="Go to impact 2, ").click()
-    seen, shown = set(), time_of(page)
-    between = np.linspace(shown, third["end"] + 1e-3, 12)
-    for wanted in [shown, *between, middle - 1e-4, middle + 1e-4]:
-        shown = go_to(page, wanted) if wanted != shown else shown
-        number, is_next = 2 + (shown >= middle), middle <= shown < third["onset"]
+    states, present_time = set(), time_of(page)
+    times_between = np.linspace(present_time, third["end"] + 1e-3, 12)
+    for target in [present_time, *times_between, middle - 1e-4, middle + 1e-4]:
+        present_time = go_to(page, target) if target != present_time else present_time
+        number, is_next = 2 + (present_time >= middle), middle <= present_time < third["onset"]
         assert named(page) == (number,) * 3
         assert ("Next is impact " in page.inner_text("#caption")) == is_next
-        seen.add((number, is_next))
-    assert seen == {(2, False), (3, True), (3, False)}
+        states.add((number, is_next))
+    assert states == {(2, False), (3, True), (3, False)}
     press(page, "End")
     assert named(page) == (14, 14, 14)
 
@@ -240,20 +240,20 @@ def test_a_rigid_wall_or_stop_has_the_impulse_of_an_impact(show_recording, model
     ]
     head, number = (cell.inner_text() for cell in cells)
     for text in (f"{number}\u202f{head.partition(', ')[2]}", page.inner_text("#caption")):
-        shown, prefix = re.search(rf"([\d.]+)\u202f(m?){unit}(?!·)", text).groups()
-        impulse = float(shown) * (1e-3 if prefix else 1.0)
+        number_text, prefix = re.search(rf"([\d.]+)\u202f(m?){unit}(?!·)", text).groups()
+        impulse = float(number_text) * (1e-3 if prefix else 1.0)
         assert impulse == pytest.approx(impact["impulse"], rel=5e-3)
 
 
 def test_the_largest_force_stands_out_in_the_list(show_recording, recording):
     page = show_recording()
-    largest = page.locator("#impacts .largest")
-    assert largest.count() == 1
-    row = largest.locator("xpath=..")
+    largest_cell = page.locator("#impacts .largest")
+    assert largest_cell.count() == 1
+    row = largest_cell.locator("xpath=..")
     assert int(row.locator("button").inner_text()) == 1 + int(np.argmax(recording.impacts["peak_force"]))
     weights = [
         int(cell.evaluate("cell => getComputedStyle(cell).fontWeight"))
-        for cell in (largest, row.locator("td").nth(2))
+        for cell in (largest_cell, row.locator("td").nth(2))
     ]
     assert weights[0] > weights[1]
 
@@ -278,9 +278,9 @@ def test_the_labels_of_a_force_are_not_cut_off(show_recording):
 def test_a_long_list_ends_with_how_many_more_there_are(open_page):
     page = open_page("about:blank", begins=False)
     page.set_content(f"<small id='impacts-seen'></small><script>{program('player/impact_list.js')}</script>")
-    made = function_of("playback", "longList")
-    assert page.evaluate(made, 2345) == [2000, "and 345 more, which the animation shows"]
-    rows, table = page.evaluate(made, 2000)
+    long_list = function_of("playback", "longList")
+    assert page.evaluate(long_list, 2345) == [2000, "and 345 more, which the animation shows"]
+    rows, table = page.evaluate(long_list, 2000)
     assert rows == 2000
     assert "more" not in table
 

@@ -65,10 +65,10 @@ def test_the_page_needs_nothing_else(recording):
 
 def assert_alone(text):
     """Assert that a page loads no other file."""
-    others = re.sub(r"<script>.*?</script>", "", text, flags=re.DOTALL)  # without the libraries
-    assert not re.findall(r"""(?:src|href)=["'](?!data:)""", others)
-    assert not re.findall(r"@import|url\((?!data:|#)|\bfetch\(|XMLHttpRequest", others)
-    assert "{{" not in others
+    text_without_scripts = re.sub(r"<script>.*?</script>", "", text, flags=re.DOTALL)  # without the libraries
+    assert not re.findall(r"""(?:src|href)=["'](?!data:)""", text_without_scripts)
+    assert not re.findall(r"@import|url\((?!data:|#)|\bfetch\(|XMLHttpRequest", text_without_scripts)
+    assert "{{" not in text_without_scripts
 
 
 def test_the_packed_data_are_the_recording(recording):
@@ -84,8 +84,8 @@ def test_the_packed_data_are_the_recording(recording):
         (interaction.point, interaction.wall): interaction.force for interaction in recording.interactions
     }
     for contact in packed["drawn"]["contacts"]:
-        known = forces.pop((contact["n"], contact["name"]))
-        np.testing.assert_allclose(whole(contact, "force", time), known, atol=0.5)
+        expected = forces.pop((contact["n"], contact["name"]))
+        np.testing.assert_allclose(whole(contact, "force", time), expected, atol=0.5)
     assert not any(force.any() for force in forces.values())
     assert [impact["onset"] for impact in packed["impacts"]] == recording.impacts["onset"].tolist()
     assert packed["touching"] == [[point, 0.0] for point in range(5)]
@@ -107,8 +107,8 @@ def test_forces_in_joints():
     packed = {load["n"]: [whole(load, axis, recording.time) for axis in "xy"] for load in loads}
     assert packed.keys() == {1, 2}
     for joint, force in packed.items():
-        known = np.transpose([recording[f"joint[{joint}].force.{axis}"] for axis in "xy"])
-        np.testing.assert_allclose(np.transpose(force), known, atol=0.01)
+        expected = np.transpose([recording[f"joint[{joint}].force.{axis}"] for axis in "xy"])
+        np.testing.assert_allclose(np.transpose(force), expected, atol=0.01)
 
 
 def test_the_page_has_the_ranges_and_tells_stops_from_walls():
@@ -129,21 +129,21 @@ def test_ten_seconds_of_four_links_are_small():
 
 def test_thinned_rows_keep_shown_rows_and_rows_beside_impacts(monkeypatch):
     monkeypatch.setattr(recorded, "MOST_PAGE_ROWS", 1000)
-    whole = simulate("four_link_box", output_step=1e-5)
-    found = recorded.thin_rows(whole, 0.6)
-    assert len(found.time) < 0.2 * len(whole.time)
-    assert (found.time[[0, -1]] == whole.time[[0, -1]]).all()
-    assert found.impacts.tobytes() == whole.impacts.tobytes()
-    for moment in (*whole.impacts["onset"], *whole.impacts["end"]):
-        after = int(np.searchsorted(whole.time, moment))
-        assert np.isin(whole.time[after - 1 : after + 1], found.time).all()
+    full_recording = simulate("four_link_box", output_step=1e-5)
+    thin_recording = recorded.thin_rows(full_recording, 0.6)
+    assert len(thin_recording.time) < 0.2 * len(full_recording.time)
+    assert (thin_recording.time[[0, -1]] == full_recording.time[[0, -1]]).all()
+    assert thin_recording.impacts.tobytes() == full_recording.impacts.tobytes()
+    for moment in (*full_recording.impacts["onset"], *full_recording.impacts["end"]):
+        row = int(np.searchsorted(full_recording.time, moment))
+        assert np.isin(full_recording.time[row - 1 : row + 1], thin_recording.time).all()
     # rows stay where the motion and the forces between the rows are shown
     hit = "contact[2].y_min.force"
-    assert np.diff(found.time).max() < 2.1 * np.ptp(whole.time) / 1000
-    assert found.columns[hit].max() > 0.9 * whole[hit].max()
-    rows = np.searchsorted(whole.time, found.time)
-    np.testing.assert_array_equal(found.points, whole.points[rows])
-    assert len(html(whole)) < 0.4 * len(html_of_all(whole, monkeypatch))
+    assert np.diff(thin_recording.time).max() < 2.1 * np.ptp(full_recording.time) / 1000
+    assert thin_recording.columns[hit].max() > 0.9 * full_recording[hit].max()
+    rows = np.searchsorted(full_recording.time, thin_recording.time)
+    np.testing.assert_array_equal(thin_recording.points, full_recording.points[rows])
+    assert len(html(full_recording)) < 0.4 * len(html_of_all(full_recording, monkeypatch))
 
 
 def html_of_all(recording, monkeypatch):
@@ -173,9 +173,9 @@ def test_the_page_of_every_model_is_small_and_needs_nothing_else(model):
 def test_a_law_has_a_sentence_with_its_range_and_source():
     groups = data_of(explore.page(load_scene("rod_drop"), []))["kit"]["parameters"]
     rows = {row["name"]: row for group in groups for row in group["rows"]}
-    found = dict(rows["contact.model"]["items"])
+    sentences = dict(rows["contact.model"]["items"])
     assert (
-        found["zhang_sharf"]
+        sentences["zhang_sharf"]
         == "Exact for one contact on its own, for all e > 0. Zhang & Sharf 2009, J Appl Mech 76:051002."
     )
 

@@ -1,8 +1,7 @@
-"""Scene files that may be wrong: the page takes those that Python takes, with the same record, and no others.
+"""Scene files that may be wrong: Python and a page take the same files, with the same record.
 
-Both refuse a file with the same sentence.
-
-Some values that do not go together are refused by the kernel, which runs in the page, too.
+They refuse a file with the same sentence. Some values that do not go together are refused by the kernel,
+which runs in a page, too.
 """
 
 # Tests: pages/browser/scene/scene_file.js
@@ -29,14 +28,14 @@ from chain_impact.simulation.kernels import kernel_for
 from chain_impact.variables.prepared import PreparedScene
 from tests.pages.in_pages import page_contents, without_advice
 from tests.pages.javascript import function_of
-from tests.pages.scene_texts import BODIES, WRITTEN
+from tests.pages.scene_texts import BODIES, WRITTEN_SCENE
 
 PAGE = function_of("refusals", "page")
 NUMBERS = (0, 1, -1, 0.5, 2, -3.0, 0.3, 1e-3, 1e6, "90 deg", "-10 deg")
 TEXTS = ("y_min", "ramp", "slider_min", "joint_min", "two words", "joint[1].torque", "base.x", "base.vy")
 VALUES = {"float": NUMBERS, "int": (0, 1, 2, 3, -1), "bool": (True, False), "table": ({},)}
-WRONG = (0, -1.0, True, "", "free", [], [0.5], {}, "deg", None)
-FILES = [WRITTEN, *BODIES.values()]
+WRONG_VALUES = (0, -1.0, True, "", "free", [], [0.5], {}, "deg", None)
+FILES = [WRITTEN_SCENE, *BODIES.values()]
 FILES += [scene_file_path(model).read_text(encoding="utf-8") for model in model_names()]
 CASES = 60
 
@@ -130,11 +129,11 @@ def test_each_rule_has_a_case():
 @pytest.mark.parametrize("fault", RULED)
 def test_a_rule_refuses_a_value_in_both_languages(script, fault):
     kit = page_contents(load_scene("rod_drop"))["kit"]
-    given = {"inputs": {}, "initial": {}, "signals": {}, **RULED[fault]}
-    link = {"length": 1.0, "mass": 1.0} | given.pop("link", {})
-    chain = {name: given.pop(name) for name in ("base", "slider") if name in given}
-    contents = {"name": "Ruled", "chain": chain | {"links": [link]}, **given}
-    contents["initial"] = {"angles": [0.5]} | given["initial"]
+    tables = {"inputs": {}, "initial": {}, "signals": {}, **RULED[fault]}
+    link = {"length": 1.0, "mass": 1.0} | tables.pop("link", {})
+    chain = {name: tables.pop(name) for name in ("base", "slider") if name in tables}
+    contents = {"name": "Ruled", "chain": chain | {"links": [link]}, **tables}
+    contents["initial"] = {"angles": [0.5]} | tables["initial"]
     sentence = re.sub(r"\\{\w+\\}", ".+", re.escape(SENTENCES[fault]))
     assert re.search(sentence, script.evaluate(PAGE, [kit, contents])["refusal"])
     assert_as_python(script, kit, contents)
@@ -146,16 +145,16 @@ def assert_as_python(script, kit, contents):
         scene = scene_from_dict(deepcopy(contents), "changed.toml")
     except SceneError as error:
         refusal = str(error)
-    found = script.evaluate(PAGE, [kit, contents])
-    if "refusal" in found:
-        assert refusal, f"{contents}: only the page refuses it: {found['refusal']}"
-        assert without_advice(found["refusal"]) == without_advice(refusal.removeprefix("changed.toml: "))
+    answer = script.evaluate(PAGE, [kit, contents])
+    if "refusal" in answer:
+        assert refusal, f"{contents}: only the page refuses it: {answer['refusal']}"
+        assert without_advice(answer["refusal"]) == without_advice(refusal.removeprefix("changed.toml: "))
         return
-    words = np.array([int(word) for word in found["words"]])
+    words = np.array([int(word) for word in answer["words"]])
     if scene is not None:
         record = PreparedScene(scene).new_instance([]).view(np.int64)
         np.testing.assert_array_equal(words, record, err_msg=str(contents))
-    elif found["touching"]:  # without contacts, the kernel takes contact laws and boxes that Python refuses
+    elif answer["touching"]:  # without contacts, the kernel takes contact laws and boxes that Python refuses
         assert status_of(words) != 0, f"{contents}: only Python refuses it: {refusal}"
 
 
@@ -171,7 +170,7 @@ def changed(chance, contents, keys):
     for _ in range(chance.integers(1, 3)):
         places = list(places_in(contents, keys))
         table, key, rule = places[chance.integers(len(places))]
-        value = chosen(chance, WRONG if chance.random() < 0.1 else values_of(chance, rule))
+        value = chosen(chance, WRONG_VALUES if chance.random() < 0.1 else values_of(chance, rule))
         if value is not None:
             table[key] = deepcopy(value)
         elif key in table:
@@ -183,21 +182,21 @@ def places_in(table, keys):
     """Yield each table in a table of a file, with each of its possible keys and the rule of the key."""
     for key, rule in keys.items():
         yield table, key, rule
-        inner = table.get(key)
-        inside = {
-            "table": [inner],
-            "tables": inner if isinstance(inner, list) else [],
-            "named": inner.values() if isinstance(inner, dict) else [],
+        value = table.get(key)
+        tables_of_kind = {
+            "table": [value],
+            "tables": value if isinstance(value, list) else [],
+            "named": value.values() if isinstance(value, dict) else [],
         }
-        for each in inside.get(rule["kind"], []):
-            if isinstance(each, dict):
-                yield from places_in(each, rule["keys"])
+        for entry in tables_of_kind.get(rule["kind"], []):
+            if isinstance(entry, dict):
+                yield from places_in(entry, rule["keys"])
 
 
 def values_of(chance, rule):
     if rule["kind"] == "list":
-        each = values_of(chance, rule["each"])
-        return [[chosen(chance, each) for _ in range(count)] for count in range(4)]
+        values_of_entry = values_of(chance, rule["each"])
+        return [[chosen(chance, values_of_entry) for _ in range(count)] for count in range(4)]
     if rule["kind"] == "named":
         return [{name: {}} for name in ("y_min", "ramp", "x_max")]
     if rule["kind"] == "tables":

@@ -64,53 +64,55 @@ def test_the_number_of_an_impact_is_at_its_own_ring(show_recording):
 
 
 def assert_numbers_at_their_rings(page, onsets):
-    seen = set()
+    texts = set()
     for time in onsets[1:6] + 2e-3:
         go_to(page, time)
         rings, numbers = page.evaluate(RINGS)
         recent = np.flatnonzero((onsets <= time) & (onsets > time - 0.25)) + 1
         assert len(numbers) <= len(rings) <= len(recent)
-        nearest = []
+        places_of_rings = []
         for text, middle in numbers:
-            apart = [math.dist(middle, ring) for ring in rings]
-            nearest.append(apart.index(min(apart)))
+            distances = [math.dist(middle, ring) for ring in rings]
+            places_of_rings.append(distances.index(min(distances)))
             if len(rings) == len(recent):
-                assert recent[nearest[-1]] == int(re.findall(r"\d+", text)[-1]), (
+                assert recent[places_of_rings[-1]] == int(re.findall(r"\d+", text)[-1]), (
                     "each ring has its own number"
                 )
-            seen |= {text}
-        assert len(nearest) == len(set(nearest))
+            texts |= {text}
+        assert len(places_of_rings) == len(set(places_of_rings))
         last = [int(re.findall(r"\d+", text)[-1]) for text, _ in numbers]
-        assert [last[k] for k in np.argsort(nearest)] == sorted(last), "in the order of impacts"
-    assert len(seen) > 1
+        assert [last[k] for k in np.argsort(places_of_rings)] == sorted(last), "in the order of impacts"
+    assert len(texts) > 1
 
 
 def test_a_ring_leaves_room_to_a_later_one_or_joins_it(script):
     """Impacts 2 and 7 are alone; the ring of 5 is 23 pixels from that of 10, which has 10 pixels of them."""
     positions = [5, 90, 5, 5, 28, 5, 200, 5, 5, 5]
-    found = script.evaluate(function_of("drawing", "rings"), [[0.01 * k for k in range(10)], positions])
+    rings = script.evaluate(function_of("drawing", "rings"), [[0.01 * k for k in range(10)], positions])
     grown = {number: 10.0 * (1.0 + (0.04 * (10 - number)) ** 0.5) for number in (2, 7, 10)}
-    assert [ring[:2] for ring in found] == [[2, "#"], [5, "#5"], [7, "#7"], [10, "#3, 4, 6, 8–10"]]
-    assert [radius for *_, radius in found] == pytest.approx([grown[2], 10.0, grown[7], grown[10]])
+    assert [ring[:2] for ring in rings] == [[2, "#"], [5, "#5"], [7, "#7"], [10, "#3, 4, 6, 8–10"]]
+    assert [radius for *_, radius in rings] == pytest.approx([grown[2], 10.0, grown[7], grown[10]])
 
 
 @pytest.mark.parametrize("model", ["rod_drop", "four_link_box", "arm_at_stop"])
 def test_no_ring_is_on_another_ring(show_recording, model):
     recording = record_slowly(model)
-    page, seen, joined = show_recording(recording), 0, 0
+    page, ring_count, joined_count = show_recording(recording), 0, 0
     for onset in recording.impacts["onset"][:12]:
         go_to(page, onset + 5e-3)
         assert page.evaluate(CROSSED_RINGS) == []
-        seen += page.locator(".ring").count()
-        joined += sum("," in text or "–" in text for text in page.locator(".ring-number").all_text_contents())
-    assert seen > 1
-    assert joined > 0
+        ring_count += page.locator(".ring").count()
+        joined_count += sum(
+            "," in text or "–" in text for text in page.locator(".ring-number").all_text_contents()
+        )
+    assert ring_count > 1
+    assert joined_count > 0
 
 
 def test_a_label_avoids_the_trace_if_another_place_is_near(script):
     """The trace goes along y = 50 until the frame 2, and then upwards from its right end."""
     trace = {"frames": [0, 2, 4], "positions": [[0, 50], [90, 50], [90, 5]]}
-    for box, frame, found in (
+    for box, frame, is_crossed in (
         ([30, 45, 60, 55], 2, True),
         ([30, 45, 60, 55], 1, False),
         ([85, 10, 95, 20], 2, False),
@@ -119,7 +121,7 @@ def test_a_label_avoids_the_trace_if_another_place_is_near(script):
     ):
         assert (
             script.evaluate("([trace, ...at]) => traceFinder(trace, 100)(...at)", [trace, box, frame])
-            is found
+            is is_crossed
         )
     candidates = [[10, 50], [60, 50], [70, 50]]
     assert [script.evaluate(PLACE, [left, candidates]) for left in (0, 20, 99)] == [
@@ -131,22 +133,22 @@ def test_a_label_avoids_the_trace_if_another_place_is_near(script):
 
 def test_numbers_stay_beside_the_points_of_a_body_that_is_small_on_a_phone(show_recording):
     recording = record_slowly("thrown_brick")
-    page, seen = show_recording(recording, viewport=PHONE), 0
+    page, distance_count = show_recording(recording, viewport=PHONE), 0
     for impact in recording.impacts[:4]:
         go_to(page, impact["onset"] + 1e-3)
         distances = page.evaluate(DISTANCES)
-        seen += len(distances)
+        distance_count += len(distances)
         assert max(distances, default=0.0) < 32.0
-    assert seen > 4
+    assert distance_count > 4
 
 
 def test_numbers_of_impacts_are_readable(show_recording, recording):
-    page, seen = show_recording(), 0
-    for later in np.linspace(0.01, 0.3, 8):
-        go_to(page, recording.impacts["onset"][1] + later)
+    page, text_count = show_recording(), 0
+    for delay in np.linspace(0.01, 0.3, 8):
+        go_to(page, recording.impacts["onset"][1] + delay)
         for scheme in ("dark", "light"):
             page.emulate_media(color_scheme=scheme)
             contrasts = page.evaluate(CONTRASTS, ".ring-number")
-            seen += len(contrasts)
+            text_count += len(contrasts)
             assert min(contrasts, default=21.0) >= 4.5, scheme  # WCAG 2.2, 1.4.3
-    assert seen > 2
+    assert text_count > 2

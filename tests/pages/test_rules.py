@@ -69,13 +69,13 @@ class Table(SimpleNamespace):
 def collect(part, texts, lists):
     """Collect from a rule the names that it compares with texts, each with them, and the names of lists."""
     parts = part.get("parts", ())
-    of_part = [one["constant"] for one in parts if isinstance(one.get("constant"), str)]
+    of_part = [operand["constant"] for operand in parts if isinstance(operand.get("constant"), str)]
     if part.get("operator") in ("any", "sum"):
         lists[parts[0]["name"]] = {*names_in(parts[1])}
-    for one in parts:
-        collect(one, texts, lists)
-        if of_part and "name" in one:
-            texts.setdefault(one["name"], []).extend(of_part)
+    for operand in parts:
+        collect(operand, texts, lists)
+        if of_part and "name" in operand:
+            texts.setdefault(operand["name"], []).extend(of_part)
 
 
 def test_each_form_has_the_same_value(script):
@@ -95,7 +95,9 @@ def test_all_rules_have_the_same_value_for_any_values(script, seed):
         return values | {name: chance.choice([*texts[name], "other"]) for name in names if name in texts}
 
     values = values_of(names) | {"order": 1}
-    values |= {name: [values_of(sorted(inner)) for _ in range(seed % 4)] for name, inner in lists.items()}
+    values |= {
+        name: [values_of(sorted(entry_names)) for _ in range(seed % 4)] for name, entry_names in lists.items()
+    }
     # no table in a list of a file is empty: each has a key that it must have
     for name in {name for name in lists if "." in name}:
         tables = ({key: value for key, value in table.items() if value is not None} for table in values[name])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene
-from tests.pages.in_pages import DESK, ON_ITS_SIDE, PHONE, impacts_of, resize, until, until_drawn, until_told
+from tests.pages.in_pages import DESK, ON_ITS_SIDE, PHONE, impacts_of, resize, until, until_drawn, until_text
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -16,21 +16,21 @@ pytestmark = needs_browser
 AT_REST = {"initial.velocity": (0.0, 0.0), "initial.angular_velocities": (0.0,) * 4}
 PLACES = """() => document.querySelector('.trace').getAttribute('points').trim().split(/\\s+/).map((place) =>
   place.split(',').map(Number))"""
-STILL = "document.getElementById('stage').ariaBusy === 'false'"
+IS_STILL = "document.getElementById('stage').ariaBusy === 'false'"
 
 
 def settle(page):
     """Wait until the page has drawn the last change and finished the following run."""
     until_drawn(page)
-    until(page, STILL)
+    until(page, IS_STILL)
 
 
 def middle(page, grip):
-    """Return where a grip is on the screen, once the page is still: each run ends with all grips redrawn."""
+    """Return the middle of a grip [pixels], once the page is still: each run ends with all grips redrawn."""
     settle(page)
-    found = f"document.querySelector('[data-grip=\"{grip}\"]')"
-    until(page, f"{found} !== null")
-    box = page.evaluate(f"{found}.getBoundingClientRect().toJSON()")
+    grip_element = f"document.querySelector('[data-grip=\"{grip}\"]')"
+    until(page, f"{grip_element} !== null")
+    box = page.evaluate(f"{grip_element}.getBoundingClientRect().toJSON()")
     return np.array([box["x"] + box["width"] / 2, box["y"] + box["height"] / 2])
 
 
@@ -45,17 +45,17 @@ REACHABLE = function_of("screen", "reachable")
 
 
 def reachable(page, grip):
-    """Return where a grip is on the screen, once the page is still and nothing covers the grip."""
+    """Return the middle of a grip [pixels], once the page is still and nothing covers the grip."""
     settle(page)
     return np.array(page.wait_for_function(REACHABLE, arg=grip).json_value(), float)
 
 
-def drag(page, grip, by, origin=None):
+def drag(page, grip, shift, origin=None):
     """Drag a handle to some pixels from its place, or from an origin; return the changed parameters."""
     x, y = reachable(page, grip)
     page.mouse.move(x, y)
     page.mouse.down()
-    page.mouse.move(*(middle(page, origin or grip) + by), steps=4)
+    page.mouse.move(*(middle(page, origin or grip) + shift), steps=4)
     page.mouse.up()
     settle(page)
     return parameters(page)
@@ -65,42 +65,46 @@ def test_an_arrow_key_moves_a_wall_whose_grip_is_beside_it(show):
     """The grip of a wall at the edge of the view is inside the view, as a whole."""
     page = show()
     for wall, key, sign in (("y_max", "ArrowUp", 1), ("y_min", "ArrowDown", -1)):
-        before = parameters(page)[f"box.{wall}"]
+        position = parameters(page)[f"box.{wall}"]
         page.locator(f'[data-grip="wall {wall}"]').focus()
         page.keyboard.press(key)
         settle(page)
-        assert sign * (parameters(page)[f"box.{wall}"] - before) > 0.0
+        assert sign * (parameters(page)[f"box.{wall}"] - position) > 0.0
 
 
 def test_a_dragged_handle_changes_the_value_that_it_stands_for(show):
     """A joint rotates its link, the base moves the chain, and a wall moves along its normal."""
     page, scene = show(), load_scene("four_link_box")
-    before = {name: value for name, value in parameters(page).items() if name in scene.values}
-    for grip, by, signs in (
+    values_before = {name: value for name, value in parameters(page).items() if name in scene.values}
+    for grip, shift, signs in (
         ("joint 4", (-20, -60), {"initial.angle[4]": 1}),
         ("joint 0", (15, 25), {"initial.x": 1, "initial.y": -1}),
         ("wall y_min", (40, -30), {"box.y_min": 1}),
         ("velocity 0", (30, -20), {"initial.vx": 1, "initial.vy": 1}),
         ("velocity 4", (0, -25), {"initial.angular_velocity[4]": 1}),
     ):
-        after = drag(page, grip, by)
-        changed = {name: after[name] - value for name, value in before.items() if after[name] != value}
-        assert {name: np.sign(change) for name, change in changed.items()} == signs
-        until_told(page, f"{impacts_of({name: after[name] for name in signs})}s")
+        values_after = drag(page, grip, shift)
+        changes = {
+            name: values_after[name] - value
+            for name, value in values_before.items()
+            if values_after[name] != value
+        }
+        assert {name: np.sign(difference) for name, difference in changes.items()} == signs
+        until_text(page, f"{impacts_of({name: values_after[name] for name in signs})}s")
         page.locator("#reset-all").click()
-        until_told(page, impacts_of({}))
+        until_text(page, impacts_of({}))
 
 
 def test_the_view_fits_again_when_a_wall_is_let_go(show):
     page, aspect = show(), "document.querySelector('#view').style.getPropertyValue('--aspect')"
-    before = page.evaluate(aspect)
+    aspect_before = page.evaluate(aspect)
     page.mouse.move(*middle(page, "wall x_max"))
     page.mouse.down()
     page.mouse.move(*(middle(page, "wall x_max") + np.array([30.0, 0.0])), steps=4)
     settle(page)
-    assert page.evaluate(aspect) == before
+    assert page.evaluate(aspect) == aspect_before
     page.mouse.up()
-    until(page, f"{aspect} !== '{before}'")
+    until(page, f"{aspect} !== '{aspect_before}'")
 
 
 def test_a_wall_beyond_the_view_has_its_grip_at_the_edge(show):
@@ -130,11 +134,11 @@ def test_joints_at_rest_are_given_velocities(show):
     page = show("four_link_box", AT_REST)
     for joint in range(5):
         way = reachable(page, f"velocity {joint}") - middle(page, f"joint {joint}")
-        after = drag(page, f"velocity {joint}", 0.7 * way)
+        values = drag(page, f"velocity {joint}", 0.7 * way)
         if joint == 0:
-            assert after["initial.vx"] < 0.0 < abs(after["initial.vy"])
+            assert values["initial.vx"] < 0.0 < abs(values["initial.vy"])
         else:
-            assert after[f"initial.angular_velocity[{joint}]"] > 0.0
+            assert values[f"initial.angular_velocity[{joint}]"] > 0.0
         page.get_by_role("button", name="Reset all").click()
         settle(page)
 
@@ -144,37 +148,37 @@ def test_a_dragged_arrow_ends_at_the_pointer_and_rests_at_its_stem(show):
     x, y = middle(page, "velocity 0")
     drag(page, "velocity 0", (-30.0, -60.0))
     assert tuple(middle(page, "velocity 0")) == pytest.approx((x - 30.0, y - 60.0), abs=1.5)
-    after = drag(page, "velocity 0", 10.0, "joint 0")
-    assert (after["initial.vx"], after["initial.vy"]) == (0.0, 0.0)
+    values = drag(page, "velocity 0", 10.0, "joint 0")
+    assert (values["initial.vx"], values["initial.vy"]) == (0.0, 0.0)
 
 
 def test_the_velocity_of_a_slider_is_an_arrow_along_its_line(show):
-    """The line of the hopper is vertical: what a pointer or a key does across it has no effect."""
+    """The line of the hopper is vertical: horizontal movements of a pointer or a key have no effect."""
     page, name = show("hopper", {"initial.slider_velocity": 0.0}), "initial.slider_velocity"
     reachable(page, "velocity 0")
     assert drag(page, "velocity 0", (25.0, -30.0))[name] > 0.0
-    across, up = middle(page, "velocity 0") - middle(page, "joint 0")
-    assert (across, up < -32.0) == (pytest.approx(0.0, abs=1.0), True)
+    change_across, change_upwards = middle(page, "velocity 0") - middle(page, "joint 0")
+    assert (change_across, change_upwards < -32.0) == (pytest.approx(0.0, abs=1.0), True)
     page.locator('[data-grip="velocity 0"]').focus()
-    found = []
+    velocities = []
     for key in ("ArrowLeft", "ArrowUp", *["Shift+ArrowDown"] * 3):
-        found.append(parameters(page)[name])
+        velocities.append(parameters(page)[name])
         page.keyboard.press(key)
         settle(page)
-    across, up, *down = np.diff([*found, parameters(page)[name]])
-    assert (across, up > 0.0, max(down) < 0.0) == (0.0, True, True)
+    change_across, change_upwards, *changes_downwards = np.diff([*velocities, parameters(page)[name]])
+    assert (change_across, change_upwards > 0.0, max(changes_downwards) < 0.0) == (0.0, True, True)
     assert parameters(page)[name] < 0.0
     assert middle(page, "velocity 0")[1] > middle(page, "joint 0")[1]
 
 
 def test_handles_exist_at_the_start_only(show):
     page = show()
-    before = parameters(page)
+    values_before = parameters(page)
     page.mouse.move(*middle(page, "joint 4"))
     page.mouse.down(button="right")
     page.mouse.move(*(middle(page, "joint 4") - (20, 60)))
     page.mouse.up(button="right")
-    assert parameters(page) == before
+    assert parameters(page) == values_before
     assert page.locator("[data-grip]").count() > 9
     page.keyboard.press("Shift+ArrowRight")
     until(page, "document.querySelectorAll('[data-grip]').length === 0")
@@ -195,7 +199,7 @@ def test_no_number_of_a_point_lies_on_an_arrow_of_a_velocity(show, model):
 
 
 GRIPS = function_of("screen", "wallGripsOnOthers")
-"""What lies below a grip of a wall, and the grips that an edge of the drawing cuts off."""
+"""The objects that lie below a grip of a wall, and the grips that an edge of the drawing cuts off."""
 
 
 @pytest.mark.parametrize(
@@ -258,8 +262,8 @@ def test_on_a_phone_on_its_side_all_of_the_chain_is_seen(show, model):
 def touch(page, kind, *points):
     """Touch the screen with fingers at points, in continuation of earlier touches."""
     page.touches = getattr(page, "touches", None) or page.context.new_cdp_session(page)
-    given = [{"x": x, "y": y, "id": number} for number, (x, y) in enumerate(points)]
-    page.touches.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": given})
+    touches = [{"x": x, "y": y, "id": number} for number, (x, y) in enumerate(points)]
+    page.touches.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": touches})
 
 
 def angle(page, link=4):
@@ -270,20 +274,20 @@ def test_only_the_first_finger_drags_a_joint_and_the_page_does_not_scroll(show):
     page = show(viewport=PHONE, has_touch=True)
     first, second = middle(page, "joint 4"), middle(page, "joint 1")
     lower = second + np.array([0, 40])
-    before = angle(page)
+    start_angle = angle(page)
     touch(page, "touchStart", first)
     touch(page, "touchMove", first - (0, 20))
-    held, other = angle(page), angle(page, 1)
+    angle_of_tip, angle_of_first = angle(page), angle(page, 1)
     touch(page, "touchStart", first - (0, 20), second)
     touch(page, "touchMove", first - (0, 20), lower)
-    assert (angle(page), angle(page, 1)) == (held, other)
+    assert (angle(page), angle(page, 1)) == (angle_of_tip, angle_of_first)
     touch(page, "touchMove", first - (0, 40), lower)
-    assert angle(page) > held
+    assert angle(page) > angle_of_tip
     for k in range(2, 11):
         touch(page, "touchMove", first - (3 * k, 6 * k), lower)
         page.wait_for_timeout(10)
     touch(page, "touchEnd")
-    assert angle(page) > before + 0.5
+    assert angle(page) > start_angle + 0.5
     assert page.evaluate("scrollY") == 0
 
 
@@ -311,11 +315,11 @@ def test_the_controls_cover_no_part_of_the_motion(show):
         assert view <= controls, size
 
 
-SMALL = function_of("screen", "small")
+SMALL_CONTROLS = function_of("screen", "smallControls")
 
 
 CUT_OFF = """[...document.querySelectorAll("#controls > :not([hidden])")]
-  .filter((one) => one.getBoundingClientRect().right > innerWidth).map((one) => one.textContent)"""
+  .filter((control) => control.getBoundingClientRect().right > innerWidth).map((cut) => cut.textContent)"""
 
 
 def test_fingers_meet_every_control_of_a_phone(show):
@@ -323,10 +327,10 @@ def test_fingers_meet_every_control_of_a_phone(show):
     page.evaluate("document.querySelector('summary').click(), document.getElementById('pin').click()")
     for size in (PHONE, ON_ITS_SIDE):
         resize(page, **size)
-        assert page.evaluate(SMALL, 32) == [], size
+        assert page.evaluate(SMALL_CONTROLS, 32) == [], size
         for name in ("edit", "map", "curves", "export", "help"):
             page.evaluate(f"document.getElementById('{name}-open').click()")
-            assert page.evaluate(SMALL, 32) == [], (size, name)
+            assert page.evaluate(SMALL_CONTROLS, 32) == [], (size, name)
             cut_off = CUT_OFF.replace("#controls > :not([hidden])", f"#{name} :is(input, button)")
             assert page.evaluate(cut_off) == [], (size, name)
             page.keyboard.press("Escape")
@@ -353,14 +357,19 @@ def test_a_dragged_handle_tells_its_angle_until_it_is_dropped(show):
     text = page.locator(".handle-text")
     text.wait_for()
     page.wait_for_timeout(500)  # the drawing follows the pointer in the next frames
-    told = float(text.text_content().replace("\u2212", "-").removesuffix("°"))
+    shown_angle = float(text.text_content().replace("\u2212", "-").removesuffix("°"))
     box = text.bounding_box()
     for number in page.locator(".point-number").all():
-        other = number.bounding_box()
+        box_of_number = number.bounding_box()
         sides = (("x", "width"), ("y", "height"))
-        x, y = (abs(box[at] + box[size] / 2 - other[at] - other[size] / 2) for at, size in sides)
-        assert x >= (box["width"] + other["width"]) / 2 or y >= (box["height"] + other["height"]) / 2
+        x, y = (
+            abs(box[at] + box[size] / 2 - box_of_number[at] - box_of_number[size] / 2) for at, size in sides
+        )
+        assert (
+            x >= (box["width"] + box_of_number["width"]) / 2
+            or y >= (box["height"] + box_of_number["height"]) / 2
+        )
     page.mouse.up()
     text.wait_for(state="detached")
     page.wait_for_timeout(500)  # the address follows the drawing later
-    assert told == pytest.approx(np.degrees(float(parameters(page)["initial.angle[1]"])), abs=0.06)
+    assert shown_angle == pytest.approx(np.degrees(float(parameters(page)["initial.angle[1]"])), abs=0.06)

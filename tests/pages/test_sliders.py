@@ -11,7 +11,7 @@ import pytest
 from chain_impact import load_scene, simulate
 from chain_impact.scene.texts.laws import LAW_GROUPS
 from chain_impact.variables.prepared import PreparedScene
-from tests.pages.in_pages import ON_ITS_SIDE, PIXELS, SUBTITLE, enter, impacts_of, until, until_told
+from tests.pages.in_pages import ON_ITS_SIDE, PIXELS, SUBTITLE, enter, impacts_of, until, until_text
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
@@ -19,7 +19,7 @@ pytestmark = needs_browser
 
 def test_a_slider_and_a_law_give_another_motion_and_reset_the_first_one(show):
     page = show()
-    before = page.evaluate(SUBTITLE)
+    subtitle = page.evaluate(SUBTITLE)
     slider = page.get_by_role("slider", name="Restitution")
     slider.focus()
     slider.press("Home")
@@ -27,13 +27,15 @@ def test_a_slider_and_a_law_give_another_motion_and_reset_the_first_one(show):
         slider.press("PageUp")
     value = float(page.get_by_role("textbox", name="contact.restitution").first.input_value())
     assert 0.2 < value < 0.7
-    until_told(page, impacts_of({"contact.restitution": value}))
+    until_text(page, impacts_of({"contact.restitution": value}))
     page.get_by_role("button", name="Reset contact.restitution").first.click()
-    until(page, f"{SUBTITLE} === '{before}'")
-    groups = page.locator("#main-parameters optgroup").evaluate_all("all => all.map((one) => one.label)")
+    until(page, f"{SUBTITLE} === '{subtitle}'")
+    groups = page.locator("#main-parameters optgroup").evaluate_all(
+        "all => all.map((element) => element.label)"
+    )
     assert groups == list(LAW_GROUPS)
     page.get_by_role("combobox", name="contact.model").first.select_option(label="Flores et al. (2011)")
-    until_told(page, impacts_of({"contact.model": "flores"}))
+    until_text(page, impacts_of({"contact.model": "flores"}))
     assert "Flores, Machado, Silva & Martins 2011" in page.locator(".sentence:not(.outcome)").inner_text()
 
 
@@ -48,9 +50,9 @@ def test_a_logarithmic_slider_has_its_start_in_the_middle_of_the_decades(show):
     page = show()
     slider = page.get_by_role("slider", name="Stiffness")
     unit = page.locator("label[for='main-contact.stiffness'] small")
-    for exponent, shown in ((1, "N/m"), (1.5, "N/m¹·⁵")):
+    for exponent, unit_text in ((1, "N/m"), (1.5, "N/m¹·⁵")):
         page.evaluate(f"chainImpact.show({{'contact.exponent': {exponent}}})")
-        assert unit.inner_text() == shown
+        assert unit.inner_text() == unit_text
     assert slider.evaluate("slider => slider.valueAsNumber / slider.max") == 0.5
     for key, value in (("Home", 1e5), ("End", 1e11)):
         slider.press(key)
@@ -83,8 +85,8 @@ def test_a_slider_that_was_refused_is_right_again_after_the_next_change(show):
     page = show("sliding_rod")
     slider = page.get_by_role("slider", name="Friction at the floor", exact=True)
     slider.press("End")
-    told = slider.evaluate("slider => slider.validationMessage")
-    assert told.startswith("Static friction at the floor = ")
+    message = slider.evaluate("slider => slider.validationMessage")
+    assert message.startswith("Static friction at the floor = ")
     page.get_by_role("slider", name="Static friction at the floor").press("End")
     assert slider.evaluate("slider => slider.validationMessage") == ""
     slider.press("End")
@@ -101,8 +103,8 @@ def test_a_label_calls_a_wall_the_floor_only_while_gravity_points_down(show):
 
 def test_motions_of_the_base_and_of_walls_are_told_to_stay(show):
     assert show("rod_drop").locator("#inputs").is_hidden()
-    told = show("shaken_pendulum").locator("#inputs")
-    assert "These inputs keep their start values here: Position of the base, x" in told.inner_text()
+    note = show("shaken_pendulum").locator("#inputs")
+    assert "These inputs keep their start values here: Position of the base, x" in note.inner_text()
 
 
 def test_signals_drive_the_page_with_a_slider_for_each_number_and_a_chart(show):
@@ -110,18 +112,18 @@ def test_signals_drive_the_page_with_a_slider_for_each_number_and_a_chart(show):
     assert page.locator("#inputs-over-time dt.of-curve").all_inner_texts() == ["Displacement of the floor"]
     assert page.evaluate(PIXELS, ["inputs-over-time", "input-1"]) > 200
     scene = load_scene("bouncing_table").with_values({"simulation.stop_time": 1.0})
-    changed = {"signal.table.amplitude": 0.004, "signal.table.phase": 1.0}
+    changes = {"signal.table.amplitude": 0.004, "signal.table.phase": 1.0}
     knob = page.get_by_role("slider", name=re.compile("table.*amplitude"))
     assert knob.is_visible()
     knob.press("ArrowRight")
     until(page, "chainImpact.parameters['signal.table.amplitude'] > 0.00323038")
-    page.evaluate("(changed) => chainImpact.show(changed)", changed)
-    until_told(page, f"{len(simulate(scene.with_values(changed)).impacts)} impacts")
+    page.evaluate("(changed) => chainImpact.show(changed)", changes)
+    until_text(page, f"{len(simulate(scene.with_values(changes)).impacts)} impacts")
     page.locator("#scrub").fill("0.5")
-    shown = 0.004 * np.sin(1.0 + 2.0 * np.pi * 10.0 * 0.5)
-    told = page.locator("#inputs-over-time dd").inner_text().split("\u202f")
-    assert float(told[0]) == pytest.approx(1e3 * shown, rel=1e-2)
-    assert told[1] == "mm"
+    displacement = 0.004 * np.sin(1.0 + 2.0 * np.pi * 10.0 * 0.5)
+    shown_texts = page.locator("#inputs-over-time dd").inner_text().split("\u202f")
+    assert float(shown_texts[0]) == pytest.approx(1e3 * displacement, rel=1e-2)
+    assert shown_texts[1] == "mm"
     assert page.evaluate("chainImpact.scene") == "BouncingTable"
     names = {
         name for name in page.evaluate("Object.keys(chainImpact.parameters)") if name.startswith("signal")
@@ -159,7 +161,7 @@ def test_only_the_first_signal_is_open_and_each_has_its_drawing(show):
     page = show("stick_slip_belt")
     parts = page.locator(".signal")
     assert parts.evaluate_all("all => all.map(({ open }) => open)") == [True, False]
-    courses = "all => all.map((one) => one.querySelector('.course').getAttribute('d').length > 99)"
+    courses = "all => all.map((element) => element.querySelector('.course').getAttribute('d').length > 99)"
     assert parts.evaluate_all(courses) == [True, True]
 
 
@@ -174,7 +176,7 @@ def test_a_torque_and_a_target_are_set_by_a_slider_as_simulate_takes_them(show):
         {"inputs.joint_targets": True, "link[2].joint_stiffness": 20}
     )
     result = simulate(scene, inputs=inputs)
-    until_told(page, f"{len(result.impacts)} impact")
+    until_text(page, f"{len(result.impacts)} impact")
     tip = page.evaluate(
         """async (inputs) => {
       const run = await chainImpact.simulate(inputs, { output: ["point[2].x"] });
@@ -202,11 +204,11 @@ def test_a_stiffness_without_effect_is_pale_and_the_chart_has_impulses(show):
     page = show("bouncing_ball", {"simulation.stop_time": 2.0})
     row = page.locator(".main-parameter").filter(has=page.get_by_role("slider", name="Stiffness"))
     assert row.locator(".no-effect").inner_text() == "No effect with Newton (1687)."
-    opacity = "one => Number(getComputedStyle(one).opacity)"
+    opacity = "element => Number(getComputedStyle(element).opacity)"
     assert row.locator("input[type=range]").evaluate(opacity) < 0.6
     assert page.inner_text("#contact-quantity") == "Impulses"
     page.evaluate("chainImpact.show({ 'contact.model': 'flores' })")
-    until_told(page, "Contact force", "contact-quantity")
+    until_text(page, "Contact force", "contact-quantity")
     assert row.locator("input[type=range]").evaluate(opacity) == 1.0
     assert not row.locator(".no-effect").is_visible()
 
@@ -220,9 +222,9 @@ def test_a_stiffness_of_stops_is_pale_without_effect(show):
 
 def test_the_law_of_stops_is_told_before_their_parameters(show):
     page = show("kneed_leg")
-    told = page.locator("#main-parameters .note")
-    assert told.inner_text() == "Contact law of stops: Newton (1687)"
-    assert "Stiffness of stops" in told.evaluate("told => told.nextElementSibling.textContent")
+    note = page.locator("#main-parameters .note")
+    assert note.inner_text() == "Contact law of stops: Newton (1687)"
+    assert "Stiffness of stops" in note.evaluate("note => note.nextElementSibling.textContent")
     page = show("arm_at_stop", {"stops.model": "hertz"})
     assert page.locator("#main-parameters .note").inner_text() == "Contact law of stops: Hertz (1881)"
     assert show().locator("#main-parameters .note").count() == 0
@@ -245,8 +247,10 @@ def test_a_slider_changes_the_start(show, model, name):
     slider = page.locator(".main-parameter", has=page.locator(f"[data-parameter='{name}']")).locator(
         "input[type=range]"
     )
-    before = float(page.evaluate(f"chainImpact.parameters['{name}']"))
+    start = float(page.evaluate(f"chainImpact.parameters['{name}']"))
     slider.press("PageUp")
-    assert float(page.evaluate(f"chainImpact.parameters['{name}']")) > before
-    texts = page.locator("input[type=range]").evaluate_all("all => all.map((one) => one.ariaValueText ?? '')")
+    assert float(page.evaluate(f"chainImpact.parameters['{name}']")) > start
+    texts = page.locator("input[type=range]").evaluate_all(
+        "all => all.map((element) => element.ariaValueText ?? '')"
+    )
     assert [text for text in texts if text != text.strip()] == []

@@ -1,4 +1,4 @@
-"""What a page computes again is what Python computes: the same inputs give the same values in both languages.
+"""The computations that exist in Python and in JavaScript: the same inputs give the same values.
 
 The comparisons allow for a few last digits: a compiler may join a product and a sum, and mathematical
 libraries round sines differently.
@@ -52,8 +52,8 @@ SPANS = "([impacts, stop]) => slowSpans(impactsUntil(impacts, stop))"
 VIEW = function_of("twins", "viewInPage")
 ROOM = "([walls, around]) => freeRegionWithin(walls, around).corners"
 SHAPES = function_of("twins", "shapes")
-SHOWN = function_of("twins", "shownInPage")
-DRAWN = """(contents) => Object.entries(sceneOf(contents).drawn.groups).map(([group, entries]) =>
+FRAMES_SHOWN = function_of("twins", "shownInPage")
+DRAWN_GROUPS = """(contents) => Object.entries(sceneOf(contents).drawn.groups).map(([group, entries]) =>
   [group, entries.map(({ n, name, words }) => [n, name, Object.keys(words)])])"""
 ARROWS = "([peak, forces]) => forces.map((force) => new ArrowScale(peak, 1, 1).lengthOf(force))"
 COLOURS = """(values) => {
@@ -82,11 +82,11 @@ def named_twins(pattern, comment, language):
 
 
 def test_twins_name_each_other():
-    ours = {*named_twins("*.py", r'""".*?"""', "JavaScript")}
-    theirs = {(twin, file) for file, twin in named_twins("*.js", r"(?://[^\n]*\n)+", "Python")}
-    assert len(ours) > 20
-    assert ours == theirs
-    assert {name for pair in ours for name in pair if not (PACKAGE / name).is_file()} == set()
+    own_pairs = {*named_twins("*.py", r'""".*?"""', "JavaScript")}
+    pairs_of_pages = {(twin, file) for file, twin in named_twins("*.js", r"(?://[^\n]*\n)+", "Python")}
+    assert len(own_pairs) > 20
+    assert own_pairs == pairs_of_pages
+    assert {name for pair in own_pairs for name in pair if not (PACKAGE / name).is_file()} == set()
 
 
 def test_the_list_of_twins_names_the_tests_that_compare_them():
@@ -98,16 +98,18 @@ def test_the_list_of_twins_names_the_tests_that_compare_them():
     }
     assert [tuple(line.split()[:2]) for line in lines] == sorted(pairs)
     for _, twin, test in map(str.split, lines):
-        told = re.findall(r"^# Tests: (.*)", (Path(__file__).parent / test).read_text("utf-8"), re.MULTILINE)
-        assert f"pages/browser/{twin}" in ", ".join(told).split(", "), test
+        tested_files = re.findall(
+            r"^# Tests: (.*)", (Path(__file__).parent / test).read_text("utf-8"), re.MULTILINE
+        )
+        assert f"pages/browser/{twin}" in ", ".join(tested_files).split(", "), test
 
 
 def random(seed):
     return np.random.default_rng(seed)
 
 
-def close(found, known, rel=1e-12, size=1.0):
-    np.testing.assert_allclose(found, known, rtol=rel, atol=rel * size)
+def close(result, expected, rel=1e-12, size=1.0):
+    np.testing.assert_allclose(result, expected, rtol=rel, atol=rel * size)
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -118,19 +120,19 @@ def test_the_times_of_the_frames(script, seed):
     spans = [(onset, onset + 10.0 ** chance.uniform(-6.0, 0.5)) for onset in onsets.tolist()]
     spans[::3] = [(onset, onset) for onset, _ in spans[::3]]
     impact_time, rate = chance.choice([0.0, 0.2, 0.6]), chance.choice([60.0, 640.0])
-    most = int(chance.choice([300, 20_000]))
-    times, per_second = frame_times(start, stop, spans, impact_time, most, usual_rate=rate)
-    found, found_rate = script.evaluate(FRAMES, [start, stop, spans, impact_time, most, rate])
-    close(found, times)
-    close(found_rate, per_second)
+    max_frames = int(chance.choice([300, 20_000]))
+    times, per_second = frame_times(start, stop, spans, impact_time, max_frames, usual_rate=rate)
+    times_in_page, rate_in_page = script.evaluate(FRAMES, [start, stop, spans, impact_time, max_frames, rate])
+    close(times_in_page, times)
+    close(rate_in_page, per_second)
 
 
 def test_a_very_long_motion_has_no_more_times_than_frames_need(script):
     times, per_second = frame_times(0.0, 1e9, [(5.0, 5.1)])
-    found, found_rate = script.evaluate(FRAMES, [0.0, 1e9, [(5.0, 5.1)], 0.6, 20_000, 60.0])
-    assert len(times) == len(found) == 20_000
-    close(found, times)
-    close(found_rate, per_second)
+    times_in_page, rate_in_page = script.evaluate(FRAMES, [0.0, 1e9, [(5.0, 5.1)], 0.6, 20_000, 60.0])
+    assert len(times) == len(times_in_page) == 20_000
+    close(times_in_page, times)
+    close(rate_in_page, per_second)
 
 
 @cache
@@ -168,25 +170,25 @@ def test_the_view_of_a_motion(script, seed):
     walls, pinned, radius = some_walls(chance), bool(chance.random() < 0.5), float(chance.choice([0.0, 0.1]))
     corners = chance.normal(0.0, 0.2, (4, 2)) if chance.random() < 0.3 and not pinned else np.zeros((0, 2))
     places = np.concatenate([points, points[:, :1] + corners], axis=1)
-    found = script.evaluate(VIEW, [points.tolist(), free_sides(walls), radius, pinned, corners.tolist()])
+    result = script.evaluate(VIEW, [points.tolist(), free_sides(walls), radius, pinned, corners.tolist()])
     view, anchor = film_view(places, walls, radius, is_pinned=pinned)
-    close(found["view"], view, size=10.0)
-    assert found["anchor"] == anchor.tolist()
+    close(result["view"], view, size=10.0)
+    assert result["anchor"] == anchor.tolist()
     lines = pin_lines(points) if pinned else []
-    assert len(found["pin"]) == len(lines)
-    for here, there in zip(found["pin"], lines, strict=True):
-        close(here, there, size=10.0)
+    assert len(result["pin"]) == len(lines)
+    for line, expected_line in zip(result["pin"], lines, strict=True):
+        close(line, expected_line, size=10.0)
 
 
 @pytest.mark.parametrize("seed", range(20))
 def test_the_free_region_between_walls(script, seed):
     walls = some_walls(random(seed))
-    around = [[-5.0, -4.0], [6.0, 5.0]]
-    corners = script.evaluate(ROOM, [free_sides(walls), around])
-    known = free_region_within(walls.values(), np.array(around))
-    assert len(corners) == len(known)
+    corners_of_area = [[-5.0, -4.0], [6.0, 5.0]]
+    corners = script.evaluate(ROOM, [free_sides(walls), corners_of_area])
+    expected = free_region_within(walls.values(), np.array(corners_of_area))
+    assert len(corners) == len(expected)
     if corners:
-        close(corners, known, size=10.0)
+        close(corners, expected, size=10.0)
 
 
 RANDOM = [*range(20), *(random_scenes.SIGNALLED + seed for seed in range(10))]
@@ -202,49 +204,49 @@ def test_the_shapes_of_a_scene_and_the_rate_of_its_frames(script, source):
     if rail is not None:
         rail = replace(rail, size=2.0)
         bases = rail.origin + np.array([[0.0], [0.3], [-0.2]]) * rail.direction
-    found = script.evaluate(SHAPES, [page_contents(scene), bases.tolist(), 2.0])
+    result = script.evaluate(SHAPES, [page_contents(scene), bases.tolist(), 2.0])
     walls = free_sides(scene.half_planes)
-    assert found["walls"].keys() == walls.keys()
+    assert result["walls"].keys() == walls.keys()
     for name, wall in walls.items():
-        close(found["walls"][name]["normal"], wall["normal"])
-        close(found["walls"][name]["offset"], wall["offset"], size=10.0)
+        close(result["walls"][name]["normal"], wall["normal"])
+        close(result["walls"][name]["offset"], wall["offset"], size=10.0)
     bodies = outlines_from(scene.values, scene.contact.points)
-    assert [link for link, _ in found["bodies"]] == list(bodies)
-    for link, corners in found["bodies"]:
+    assert [link for link, _ in result["bodies"]] == list(bodies)
+    for link, corners in result["bodies"]:
         close(corners, bodies[link])
-    assert (found["rail"] is None) == (rail is None)
+    assert (result["rail"] is None) == (rail is None)
     if rail is not None:
-        for here, there in zip(found["rail"]["lines"], rail.lines(bases), strict=True):
-            close(here, there, size=10.0)
-        close(found["rail"]["carriage"], rail.carriage(np.zeros(2)))
+        for line, expected_line in zip(result["rail"]["lines"], rail.lines(bases), strict=True):
+            close(line, expected_line, size=10.0)
+        close(result["rail"]["carriage"], rail.carriage(np.zeros(2)))
         ends = {"slider_min": rail.low, "slider_max": rail.high}
-        assert found["rail"]["limits"] == {name: end for name, end in ends.items() if np.isfinite(end)}
+        assert result["rail"]["limits"] == {name: end for name, end in ends.items() if np.isfinite(end)}
         stops = free_sides(rail.stops)
-        assert found["rail"]["stops"].keys() == stops.keys()
+        assert result["rail"]["stops"].keys() == stops.keys()
         for name, stop in stops.items():
-            close(found["rail"]["stops"][name]["offset"], stop["offset"], size=10.0)
+            close(result["rail"]["stops"][name]["offset"], stop["offset"], size=10.0)
     ranges = ranges_of(scene.values)
-    assert [limits["joint"] for limits in found["ranges"]] == list(ranges)
-    for limits in found["ranges"]:
+    assert [limits["joint"] for limits in result["ranges"]] == list(ranges)
+    for limits in result["ranges"]:
         close(limits["arc"], ranges[limits["joint"]].arc)
-    known = {name: value for name, value in scene.values.items() if value is not None}
-    run = SimpleNamespace(parameters=known, time=np.array([0.0, scene.simulation.stop_time]))
-    close(found["rate"], frame_rate(run))
+    parameters = {name: value for name, value in scene.values.items() if value is not None}
+    run = SimpleNamespace(parameters=parameters, time=np.array([0.0, scene.simulation.stop_time]))
+    close(result["rate"], frame_rate(run))
 
 
 @pytest.mark.parametrize("model", ["four_link_box", "cart_pole", "pinned_arm", "thrown_brick"])
 def test_the_page_of_a_recording_shows_the_frames_and_the_view_of_a_film(script, model):
     result = recorded(model)
-    found = script.evaluate(SHOWN, [data(result), 0.6])
+    shown_frames = script.evaluate(FRAMES_SHOWN, [data(result), 0.6])
     start, stop = float(result.time[0]), float(result.time[-1])
     times, _ = frame_times(start, stop, slow_spans(result), 0.6, usual_rate=frame_rate(result))
-    close(found["time"], times)
-    points = np.stack([found["x"], found["y"]], axis=-1).reshape(len(times), -1, 2)
-    known = [[np.interp(times, result.time, column) for column in rows] for rows in result.all_points.T]
-    np.testing.assert_allclose(points, np.array(known).transpose(2, 1, 0), atol=1e-3)
+    close(shown_frames["time"], times)
+    points = np.stack([shown_frames["x"], shown_frames["y"]], axis=-1).reshape(len(times), -1, 2)
+    expected = [[np.interp(times, result.time, column) for column in rows] for rows in result.all_points.T]
+    np.testing.assert_allclose(points, np.array(expected).transpose(2, 1, 0), atol=1e-3)
     view, anchor = film_view(positions_of(result), result.walls, radius_of(result), is_pinned=result.pinned)
-    np.testing.assert_allclose(found["view"], view, atol=1e-3 * np.ptp(view))
-    assert found["anchor"] == anchor.tolist()
+    np.testing.assert_allclose(shown_frames["view"], view, atol=1e-3 * np.ptp(view))
+    assert shown_frames["anchor"] == anchor.tolist()
 
 
 @pytest.mark.parametrize("model", ["ramp", "sphere_on_wall", "bouncing_ball", "rod_drop", "thrown_brick"])
@@ -259,11 +261,13 @@ def test_the_centre_of_a_ball(script, model):
 def test_the_quantities_that_are_drawn(script, source):
     scene = {"knee": knee_scene, "sled": sled}.get(source, partial(load_scene, source))()
     scene = scene.with_values({"outputs.loads": True, "simulation.stop_time": 1e-3})
-    known = drawn_entries(simulate(scene).columns)
-    assert known.keys() == set(GROUPS)
-    for group, entries in script.evaluate(DRAWN, page_contents(scene)):
-        found = {(n, name): set(names) for n, name, names in entries}
-        assert found == {(owner["n"], owner["name"]): owner["columns"].keys() for owner in known[group]}
+    expected = drawn_entries(simulate(scene).columns)
+    assert expected.keys() == set(GROUPS)
+    for group, entries in script.evaluate(DRAWN_GROUPS, page_contents(scene)):
+        names_of_entries = {(n, name): set(names) for n, name, names in entries}
+        assert names_of_entries == {
+            (owner["n"], owner["name"]): owner["columns"].keys() for owner in expected[group]
+        }
 
 
 def test_a_group_that_is_not_drawn_is_an_error(script):
@@ -273,13 +277,13 @@ def test_a_group_that_is_not_drawn_is_an_error(script):
 
 def test_the_lengths_of_arrows(script):
     forces = [3e3, 2e3, 500.0, 17.0]
-    found = script.evaluate(ARROWS, [3e3, forces])
+    lengths = script.evaluate(ARROWS, [3e3, forces])
     scale = ArrowScale(3e3, 1.0)
-    known = [scale.length(force) for force in forces]
-    least = 9.0  # pixels: all arrows of a scene of one pixel are shorter
-    assert found == [least] * 4
+    expected = [scale.length(force) for force in forces]
+    shortest = 9.0  # pixels: all arrows of a scene of one pixel are shorter
+    assert lengths == [shortest] * 4
     large = script.evaluate(ARROWS.replace("1, 1", "1000, 2000"), [3e3, forces])
-    close(large, 1000.0 * np.array(known))
+    close(large, 1000.0 * np.array(expected))
 
 
 @pytest.mark.parametrize("height", [-1e5, -20.0, -4.661, -0.03, 0.0, 0.7, 60.0])
@@ -287,17 +291,17 @@ def test_the_zero_of_the_potential_energy(script, height):
     wave = np.linspace(0.0, 1.0, 20)
     energies = {"kinetic": wave, "potential": height - wave, "total": height + 0.0 * wave}
     shifted, offset = without_gap(energies)
-    given = {name: values.tolist() for name, values in energies.items()}
-    assert script.evaluate("energyOffset", given) == pytest.approx(offset, rel=1e-12)
-    moved = script.evaluate("(energies) => movedBy(energies, energyOffset(energies))", given)
+    arguments = {name: values.tolist() for name, values in energies.items()}
+    assert script.evaluate("energyOffset", arguments) == pytest.approx(offset, rel=1e-12)
+    shifted_in_page = script.evaluate("(energies) => movedBy(energies, energyOffset(energies))", arguments)
     for name, values in shifted.items():
-        assert moved[name] == pytest.approx(values.tolist(), abs=1e-9 * (1.0 + abs(height)))
+        assert shifted_in_page[name] == pytest.approx(values.tolist(), abs=1e-9 * (1.0 + abs(height)))
 
 
 def test_words_of_rates_units_and_angles(script):
     rates = [*np.geomspace(1e-4, 30.0, 200).tolist(), 0.985, 1.0, 1.015, 0.1, 0.5]
-    found = script.evaluate("(rates) => rates.map(rateText)", rates)
-    assert found == [rate_text(rate) for rate in rates]
+    results = script.evaluate("(rates) => rates.map(rateText)", rates)
+    assert results == [rate_text(rate) for rate in rates]
     units = ["1", "m", "m/s2", "N.m", "kg.m2", "N.m.s", "rad/s2", "N/m^exponent", "N.s/m"]
     assert script.evaluate("(units) => units.map(unitText)", units) == list(map(unit_text, units))
     for exponent in (1.0, 1.5, 2.25):
@@ -305,17 +309,17 @@ def test_words_of_rates_units_and_angles(script):
         assert text == stiffness_unit("N/m", exponent)
     texts = ["90 deg", "-12.5deg/s", " +.5e1 deg ", "1 deg/s2", "deg", "90", "1 rad", "90 degs"]
     for unit in ("rad", "rad/s", "rad/s2", "m"):
-        found = script.evaluate(
+        results = script.evaluate(
             "([texts, unit]) => texts.map((text) => inRadians(text, unit))", [texts, unit]
         )
-        assert found == [radians_of(text, unit) for text in texts]
+        assert results == [radians_of(text, unit) for text in texts]
 
 
 def test_colours_of_films_are_those_of_pages():
     light = dict(re.findall(r"--([\w-]+): (#\w{6});", text_of("player/style.css").partition("@media")[0]))
-    known = {"muted": MUTED, "force": FORCE, "load": LOAD, **ENERGIES}
-    del known["total"]  # black in a film
-    assert {name: light[name] for name in known} == known
+    colours = {"muted": MUTED, "force": FORCE, "load": LOAD, **ENERGIES}
+    del colours["total"]  # black in a film
+    assert {name: light[name] for name in colours} == colours
 
 
 PROPOSED = "([wrong, names]) => wrong.map((name) => proposed(name, names) ?? null)"
@@ -334,12 +338,14 @@ def misspelt(chance, name):
 @pytest.mark.full("more cases", but=1)
 @pytest.mark.parametrize("seed", range(4))
 def test_a_misspelt_name_gets_the_same_proposal(script, seed):
-    chance, known = random(seed), [*recorded("four_link_box").columns, "contact.stiffness", "link[1].length"]
-    known += ["contact.restitution", "box"]
-    wrong = [misspelt(chance, str(chance.choice(known))) for _ in range(30)]
-    wrong += ["lenght", "stifness", "force", "joint[9].angle", "link.mass", "x", "4].x", "[", ""]
-    wrong += ["contact.bounce", "floor", "a.law"]
-    assert script.evaluate(PROPOSED, [wrong, known]) == [proposed_name(name, known) for name in wrong]
+    chance, names = random(seed), [*recorded("four_link_box").columns, "contact.stiffness", "link[1].length"]
+    names += ["contact.restitution", "box"]
+    misspelt_names = [misspelt(chance, str(chance.choice(names))) for _ in range(30)]
+    misspelt_names += ["lenght", "stifness", "force", "joint[9].angle", "link.mass", "x", "4].x", "[", ""]
+    misspelt_names += ["contact.bounce", "floor", "a.law"]
+    assert script.evaluate(PROPOSED, [misspelt_names, names]) == [
+        proposed_name(name, names) for name in misspelt_names
+    ]
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -353,10 +359,10 @@ def test_the_colours_of_a_map(script, seed):
     close(ends, colour_ends(values, logarithmic=is_logarithmic))
 
 
-@pytest.mark.parametrize(("least", "most"), [(3, 4), (0, 11), (7, 95), (100, 12_345)])
-def test_the_colours_of_counts(script, least, most):
-    bins, shares = script.evaluate(STEPS, [most, least])
-    assert bins == count_bins(least, most)
+@pytest.mark.parametrize(("smallest", "largest"), [(3, 4), (0, 11), (7, 95), (100, 12_345)])
+def test_the_colours_of_counts(script, smallest, largest):
+    bins, shares = script.evaluate(STEPS, [largest, smallest])
+    assert bins == count_bins(smallest, largest)
     assert shares == [0.0, 1.0]
 
 

@@ -1,4 +1,4 @@
-"""What a reader sees: one scale in a frame, free labels, whole charts, room on all screens."""
+"""Things that a reader sees: one scale in a frame, free labels, whole charts, room on all screens."""
 
 # Tests: pages/browser/drawing/label_positions.js
 # Tests: pages/browser/charts/force_chart.js, pages/browser/drawing/camera.js
@@ -33,8 +33,8 @@ def test_the_drawing_has_one_size_at_all_impacts(show):
 
 def test_no_force_is_written_on_a_point_or_its_number(show):
     page = show(viewport=PHONE)
-    met = page.evaluate(function_of("visibility", "textsOnPoints"))
-    assert met["met"] == 0 < met["texts"]
+    counts = page.evaluate(function_of("visibility", "textsOnPoints"))
+    assert counts["met"] == 0 < counts["texts"]
 
 
 def test_the_largest_force_is_below_the_edge_of_its_chart(show):
@@ -57,7 +57,7 @@ def test_before_its_first_motion_a_page_shows_no_chart(browser, address):
 
 
 CUT = """(width) => [...document.querySelectorAll("#controls > :not([hidden])")]
-  .filter((one) => !one.checkVisibility() || one.getBoundingClientRect().right > width).length"""
+  .filter((element) => !element.checkVisibility() || element.getBoundingClientRect().right > width).length"""
 
 
 def test_a_bar_for_scrolling_hides_no_control(show):
@@ -89,8 +89,8 @@ def test_a_tablet_shows_motion_energy_force_and_impacts_at_once(show):
 
 def test_the_list_of_impacts_takes_the_free_height_of_an_upright_tablet(show):
     page = show(viewport={"width": 900, "height": 1600})
-    column, shown = (page.locator(name).bounding_box() for name in ("aside", "#list"))
-    assert shown["y"] + shown["height"] == pytest.approx(column["y"] + column["height"], abs=1.0)
+    column, list_box = (page.locator(name).bounding_box() for name in ("aside", "#list"))
+    assert list_box["y"] + list_box["height"] == pytest.approx(column["y"] + column["height"], abs=1.0)
 
 
 def test_each_column_of_the_impacts_keeps_apart_and_is_in_the_list(show):

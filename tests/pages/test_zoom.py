@@ -14,7 +14,7 @@ from tests.tiers import needs_browser
 pytestmark = needs_browser
 CHAIN = """() => { const [first, second] = document.querySelectorAll("#scene .link");
   return [first.points[0], second.points[1]].map(({ x, y }) => [x, y]); }"""
-FRAME = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
+FRAME = "new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)))"
 
 
 def chain(page):
@@ -25,25 +25,27 @@ def chain(page):
 
 def test_the_wheel_enlarges_at_the_pointer_and_a_drag_moves_the_drawing(show):
     page = show(viewport=DESK)
-    (start, other), box = chain(page), page.locator("#view").bounding_box()
+    (start, end), box = chain(page), page.locator("#view").bounding_box()
     at = (box["x"] + start[0], box["y"] + start[1])
     page.mouse.move(*at)
     page.mouse.wheel(0, -400)
-    until(page, f"Math.abs(document.querySelectorAll('#scene .link')[1].points[1].x - {other[0]}) > 20")
-    (same, far) = chain(page)
-    assert same == pytest.approx(start, abs=0.5)
-    assert far[0] - same[0] == pytest.approx(2.2255 * (other[0] - start[0]), rel=1e-3)  # e^0.8
+    until(page, f"Math.abs(document.querySelectorAll('#scene .link')[1].points[1].x - {end[0]}) > 20")
+    (enlarged_start, enlarged_end) = chain(page)
+    assert enlarged_start == pytest.approx(start, abs=0.5)
+    assert enlarged_end[0] - enlarged_start[0] == pytest.approx(
+        2.2255 * (end[0] - start[0]), rel=1e-3
+    )  # e^0.8
     page.mouse.move(box["x"] + 30, box["y"] + box["height"] - 30)
     page.mouse.down()
     page.mouse.move(box["x"] + 60, box["y"] + box["height"] - 50)
     page.mouse.up()
     assert chain(page)[0] == pytest.approx(np.add(start, [30.0, -20.0]), abs=0.5)
     page.keyboard.press("0")
-    assert chain(page) == pytest.approx(np.array([start, other]))
+    assert chain(page) == pytest.approx(np.array([start, end]))
     page.keyboard.press("+")
     assert abs(chain(page)[0] - start).max() > 1.0
     page.keyboard.press("-")
-    assert chain(page) == pytest.approx(np.array([start, other]))
+    assert chain(page) == pytest.approx(np.array([start, end]))
 
 
 def test_the_contact_is_enlarged_until_its_penetration_is_seen(show):
@@ -67,16 +69,16 @@ def test_the_contact_is_enlarged_until_its_penetration_is_seen(show):
 def test_between_contacts_and_at_the_start_the_whole_chain_is_seen(show):
     page = show(viewport=DESK)
     page.keyboard.press("Home")
-    whole = chain(page)
+    chain_positions = chain(page)
     page.keyboard.press("z")
-    assert chain(page) == pytest.approx(whole), "the first contact is far"
+    assert chain(page) == pytest.approx(chain_positions), "the first contact is far"
     page.get_by_role("button", name="Go to impact 4, ").click()
-    assert abs(chain(page) - whole).max() > 2e3
+    assert abs(chain(page) - chain_positions).max() > 2e3
     page.locator("#scrub").fill("0.2")
     until(page, "document.getElementById('time').textContent === '0.20000 s'")
     page.evaluate(FRAME)
     assert "mm" not in page.locator("#scene .bar-text").text_content()
     assert page.locator("#at-contact").get_attribute("title") == "Show the whole chain again (Z)"
     page.keyboard.press("Home")
-    assert chain(page) == pytest.approx(whole)
+    assert chain(page) == pytest.approx(chain_positions)
     assert page.locator("#scene .grip").count() > 5

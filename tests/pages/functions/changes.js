@@ -15,22 +15,22 @@ export const refusedReset = (contents) => {
   }
 };
 
-export const refusal = ([contents, given]) => {
+export const refusal = ([contents, values]) => {
   try {
-    new Changes(sceneOf(contents)).set(given);
+    new Changes(sceneOf(contents)).set(values);
   } catch (error) {
     return error.message;
   }
 };
 
-export const derivedValues = ([contents, given]) => {
+export const derivedValues = ([contents, values]) => {
   const scene = sceneOf(contents);
   const changes = new Changes(scene);
-  changes.set(given);
+  changes.set(values);
   const names = scene.parameters.map(({ name }) => name);
   const all = () => Object.fromEntries(names.map((name) => [name, changes.valueOf(name)]));
   const [shown, text] = [all(), changes.texts().map(([name]) => name)];
-  for (const name of Object.keys(given)) changes.reset(name);
+  for (const name of Object.keys(values)) changes.reset(name);
   return [shown, text, all(), changes.starts];
 };
 
@@ -40,9 +40,9 @@ export const savedText = ([contents, values]) => {
   return tomlText(contentsOf(changes), contents.kit.keys);
 };
 
-export const keptByEdit = ([contents, given, edit, at]) => {
+export const keptByEdit = ([contents, values, edit, at]) => {
   const changes = new Changes(sceneOf(contents));
-  changes.set(given);
+  changes.set(values);
   const edited = contentsOf(changes);
   const before = partsOf(edited);
   ({ addLink, removeLink, removePoint, removeWall, setBase, setBox, setOfLink })[edit](edited, ...at);

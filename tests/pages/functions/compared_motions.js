@@ -8,13 +8,13 @@ export const outside = () => {
 };
 
 export const letters = async () => {
-  const [found, write] = [{}, CanvasRenderingContext2D.prototype.fillText];
+  const [lettersOfCharts, write] = [{}, CanvasRenderingContext2D.prototype.fillText];
   CanvasRenderingContext2D.prototype.fillText = function (text, ...at) {
     const chart = this.canvas.closest(".chart").id;
-    if (/^[A-E]$/.test(text)) found[chart] = [...new Set([...(found[chart] ?? []), text])];
+    if (/^[A-E]$/.test(text)) lettersOfCharts[chart] = [...new Set([...(lettersOfCharts[chart] ?? []), text])];
     return write.call(this, text, ...at);
   };
   document.querySelectorAll(".chart").forEach((chart) => { chart.style.width = "300px"; });
-  await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
-  return found;
+  await new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)));
+  return lettersOfCharts;
 };

@@ -8,18 +8,18 @@ export const lengths = () => [...document.querySelectorAll('.arrow-head.force')]
 
 export const onOthers = () => {
   const seen = (kinds) => [...document.querySelectorAll(kinds)]
-    .filter((one) => getComputedStyle(one).visibility === 'visible')
-    .map((one) => [one.textContent || 'a dot', one.getBoundingClientRect()]);
+    .filter((element) => getComputedStyle(element).visibility === 'visible')
+    .map((element) => [element.textContent || 'a dot', element.getBoundingClientRect()]);
   const shared = (a, b, low, high) => Math.min(a[high], b[high]) - Math.max(a[low], b[low]);
   const meet = ([, a], [, b]) => shared(a, b, 'left', 'right') > 1 && shared(a, b, 'top', 'bottom') > 3;
   const texts = seen('.point-number, .force-text, .ring-number, .ruler-text, .ruler-name, .bar-text');
   const others = [...texts, ...seen('circle.joint, circle.tip, circle.site')];
-  return texts.flatMap((one, k) => others.slice(k + 1).filter((other) => meet(one, other))
-    .map((other) => [one[0], other[0]]));
+  return texts.flatMap((text, k) => others.slice(k + 1).filter((other) => meet(text, other))
+    .map((other) => [text[0], other[0]]));
 };
 
 export const crossedTexts = () => {
-  const seen = (kinds) => [...document.querySelectorAll(kinds)].filter((one) => getComputedStyle(one).visibility === "visible");
+  const seen = (kinds) => [...document.querySelectorAll(kinds)].filter((element) => getComputedStyle(element).visibility === "visible");
   const { width, height } = document.querySelector("#scene").getBoundingClientRect();
   const circles = seen(".ring").filter((ring) => Number(ring.getAttribute("opacity")) > 0.15)
     .map((ring) => [ring.cx, ring.cy, ring.r].map((number) => number.baseVal.value));
@@ -67,7 +67,7 @@ export const distancesOfNumbers = () => {
     .map(([name, [x, y]]) => Math.hypot(x - at.get(name)[0], y - at.get(name)[1]));
 };
 
-/** Return the place of a label for which there are `candidates`, in a drawing where labels avoid what is left of `left`. */
+/** Return the place of a label with `candidates`, in a drawing in which labels avoid all places left of x = `left`. */
 export const placeOfLabel = ([left, candidates]) => {
   const space = new LabelSpace(100, 100, 0);
   space.avoid(([x]) => x < left);

@@ -1,6 +1,6 @@
 // Functions that tests/pages/test_explore_page.py runs in a page.
 
-export const many = async () => {
+export const memoryOfRuns = async () => {
   const output = ["point[4].x"];
   const values = (k) => ({ "contact.restitution": 0.3 + k / 800, "simulation.stop_time": 0.3 });
   const run = (k) => chainImpact.simulate(values(k), { output });
@@ -25,9 +25,9 @@ export const lineOfForces = () => {
     .flatMap((pixel, y) => (pixel[3] > 200 && far(pixel) < 60 ? [y] : []));
 };
 
-export const longestFrame = () => new Promise((done) => {
+export const longestFrame = () => new Promise((resolve) => {
   const began = performance.now(); let longest = 0, before = began;
   const tick = (now) => { longest = Math.max(longest, now - before); before = now;
-    if (now - began > 600) done(longest); else requestAnimationFrame(tick); };
+    if (now - began > 600) resolve(longest); else requestAnimationFrame(tick); };
   requestAnimationFrame(tick);
 });

@@ -1,7 +1,7 @@
 // Functions that tests/pages/in_pages.py runs in a page.
 
 export const rowsInPage = async ([chart, colour]) => {
-  await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+  await new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)));
   const style = getComputedStyle(document.documentElement).getPropertyValue(`--${colour}`);
   const wanted = style.match(/[0-9a-f]{2}/g).map((part) => parseInt(part, 16));
   const canvas = document.querySelector(`#${chart} canvas`);

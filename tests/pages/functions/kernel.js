@@ -5,11 +5,11 @@ import { Kernel, rowTimes, runThrough } from "../../../fmu_src/chain_impact/page
 
 export const runEach = async ([module, contents, names, grid, endTime, outputs]) => {
   const scene = sceneOf(contents);
-  const words = outputs.map((name) => scene.columns.find((one) => one.name === name).word);
+  const words = outputs.map((name) => scene.columns.find((column) => column.name === name).word);
   const kernel = await Kernel.load(await compiled(module), scene);
-  const found = runThrough(kernel.runEach({ "link[2].mass": 1.2 }, names, Float64Array.from(grid), endTime, words)).rows;
+  const rows = runThrough(kernel.runEach({ "link[2].mass": 1.2 }, names, Float64Array.from(grid), endTime, words)).rows;
   const after = runThrough(kernel.run({}, rowTimes(0.1, 0.01), scene.columns.slice(0, 1))).columns[0].length;
-  return [btoa(String.fromCharCode(...new Uint8Array(found.buffer))), after];
+  return [btoa(String.fromCharCode(...new Uint8Array(rows.buffer))), after];
 };
 
 export const memoryOfRuns = async ([module, contents]) => {
@@ -37,7 +37,7 @@ export const motionOf = async ([text, contents]) => {
     stops, peakForce, forces: forces.map(({ point, wall }) => [point, wall]) };
 };
 
-export const begun = async ([text, contents, changes]) => {
+export const statusOfRun = async ([text, contents, changes]) => {
   const scene = sceneOf(contents);
   const kernel = await Kernel.load(await compiled(text), scene);
   let values;

@@ -9,8 +9,8 @@ export const longList = (count) => {
   return [element.querySelectorAll("tbody tr").length, element.lastChild.textContent];
 };
 
-/** Return how many frames a page asks for in a time [ms]. */
-export const framesIn = (time) => new Promise((done) => {
+/** Return the number of frames that a page requests in a time [ms]. */
+export const framesIn = (time) => new Promise((resolve) => {
   const ask = window.requestAnimationFrame;
   let count = 0;
   window.requestAnimationFrame = (draw) => {
@@ -19,6 +19,6 @@ export const framesIn = (time) => new Promise((done) => {
   };
   setTimeout(() => {
     window.requestAnimationFrame = ask;
-    done(count);
+    resolve(count);
   }, time);
 });

@@ -9,7 +9,7 @@ export const depths = ({ contents, values }) => {
     [wall, overlapOf({ status, part: k + 1 }, scene, (name) => values[name] ?? starts[name]).depth]);
 };
 
-export const told = ({ contents, part }) => {
+export const startTextOf = ({ contents, part }) => {
   const scene = sceneOf(contents);
   const status = SHARED.kernel.STARTS_INSIDE_WALL;
   return startText({ status, part: scene.partsInWords.indexOf(part) + 1 }, scene);

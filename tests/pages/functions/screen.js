@@ -6,11 +6,11 @@ export const reachable = (name) => {
   return at && document.elementFromPoint(...at)?.closest("[data-grip]") === grip && at;
 };
 
-export const small = (least) => {
+export const smallControls = (least) => {
   const room = document.querySelector("dialog[open]") ?? document.body;
   return [...room.querySelectorAll("button, input, select, summary")]
-    .filter((one) => one.checkVisibility({ visibilityProperty: true }) && !one.closest("svg"))
-    .map((one) => [one.id || one.ariaLabel || one.textContent, one.getBoundingClientRect()])
+    .filter((element) => element.checkVisibility({ visibilityProperty: true }) && !element.closest("svg"))
+    .map((element) => [element.id || element.ariaLabel || element.textContent, element.getBoundingClientRect()])
     .filter(([, { width, height }]) => Math.min(width, height) < least).map(([name]) => name);
 };
 
@@ -27,8 +27,8 @@ export const numbersOnArrows = () => [...document.querySelectorAll(".velocity-st
 export const wallGripsOnOthers = () => {
   const scene = document.querySelector("#scene").getBoundingClientRect();
   const kinds = ".point-number, .ruler-text, .ruler-name, .bar-text, polyline.bar, .joint-ring, .velocity-tip";
-  const others = [...document.querySelectorAll(kinds)].filter((one) => getComputedStyle(one).visibility === "visible")
-    .map((one) => [one.textContent || one.classList[0], one.getBoundingClientRect()]);
+  const others = [...document.querySelectorAll(kinds)].filter((element) => getComputedStyle(element).visibility === "visible")
+    .map((element) => [element.textContent || element.classList[0], element.getBoundingClientRect()]);
   const links = [...document.querySelectorAll("polyline.link")].flatMap((link) => [...link.points].slice(1).flatMap((to, k) =>
     Array.from({ length: 101 }, (_, part) => [0, 1].map((axis) => {
       const [from, end] = [link.points[k], to].map(({ x, y }) => (axis ? y + scene.top : x + scene.left));

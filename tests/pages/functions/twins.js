@@ -6,8 +6,8 @@ import { viewOf } from "../../../fmu_src/chain_impact/pages/browser/recording/vi
 import { wallsAt } from "../../../fmu_src/chain_impact/pages/browser/scene/geometry.js";
 import { bodiesOf, railOf } from "../../../fmu_src/chain_impact/pages/browser/scene/bodies.js";
 
-export const framesInPage = ([start, stop, spans, impactTime, most, rate]) => {
-  const { times, frameRate } = frameTimes(start, stop, spans, impactTime, most, rate);
+export const framesInPage = ([start, stop, spans, impactTime, maxFrames, rate]) => {
+  const { times, frameRate } = frameTimes(start, stop, spans, impactTime, maxFrames, rate);
   return [[...times], frameRate];
 };
 
