@@ -66,15 +66,24 @@ ROOMS_OF_TESTS = """
 benchmarks
 docs/tools
 tests/*.py
+tests/cli
+tests/compilation
 tests/conversion
+tests/fmu
 tests/helpers
 tests/kernel
+tests/pages
 tests/pictures
 tests/recording
 tests/repository
 tests/results
 tests/scenarios
+tests/scene
+tests/simulation
 tests/studies
+tests/study_data
+tests/user_laws
+tests/variables
 """
 """Files and folders of the repository, outside of the package, that are read."""
 HASHED = """
