@@ -44,9 +44,9 @@ fmi2Status fmi2GetRealStatus(fmi2Component, const fmi2StatusKind, fmi2Real *);
 fmi2Status fmi2GetBooleanStatus(fmi2Component, const fmi2StatusKind, fmi2Boolean *);
 fmi2Status fmi2GetStringStatus(fmi2Component, const fmi2StatusKind, fmi2String *);
 
-#define CHECK(right)                             \
-    do {                                         \
-        if (!(right)) fail(#right, __LINE__);    \
+#define CHECK(condition)                              \
+    do {                                              \
+        if (!(condition)) fail(#condition, __LINE__); \
     } while (0)
 static void fail(const char *what, int line) {
     fprintf(stderr, "line %d: not %s\n", line, what);
@@ -71,13 +71,13 @@ static long blocks_left; /* the number of blocks that can still be allocated */
 
 static void *allocate(size_t count, size_t size) {
     if (blocks_left-- <= 0 || block_count == MOST) return NULL;
-    size_t wanted = (count * size + 7) / 8 * 8, whole = (wanted + page - 1) / page * page;
-    char *pages = mmap(NULL, whole + page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    CHECK(pages != MAP_FAILED && mprotect(pages + whole, page, PROT_NONE) == 0);
-    char *block = pages + whole - wanted;
-    memset(block + count * size, 0x5a, wanted - count * size);
+    size_t rounded_size = (count * size + 7) / 8 * 8, size_of_pages = (rounded_size + page - 1) / page * page;
+    char *pages = mmap(NULL, size_of_pages + page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    CHECK(pages != MAP_FAILED && mprotect(pages + size_of_pages, page, PROT_NONE) == 0);
+    char *block = pages + size_of_pages - rounded_size;
+    memset(block + count * size, 0x5a, rounded_size - count * size);
     blocks[block_count].pages = pages, blocks[block_count].block = block;
-    blocks[block_count].whole = whole + page, blocks[block_count++].size = count * size;
+    blocks[block_count].whole = size_of_pages + page, blocks[block_count++].size = count * size;
     return block;
 }
 
@@ -129,18 +129,18 @@ static void digest_bytes(const void *bytes, size_t size) {
     for (size_t i = 0; i < size; i++) digest = (digest ^ ((const unsigned char *)bytes)[i]) * 1099511628211u;
 }
 
-static void instantiate(Instance *one) {
+static void instantiate(Instance *instance) {
     fmi2CallbackFunctions callbacks = {log_message, allocate, release, NULL, &messages};
     unsigned before = messages;
     size_t blocks_before = block_count;
-    int right = !one_in(10);
+    int is_valid = !one_in(10);
     static const char *const WRONG[] = {"", "file:///nowhere", "%", "file:/%zz", "////////", "/"};
-    one->logging = one_in(2);
-    one->component = right ? fmi2Instantiate("#1 100%n", fmi2CoSimulation, guid, location, &callbacks, 0, one->logging)
-                           : fmi2Instantiate("#1 100%n", (fmi2Type)chance(2), one_in(2) ? guid : "x", WRONG[chance(6)],
-                                             &callbacks, 0, one->logging);
-    one->time = 0.0;
-    if (one->component) return;
+    instance->logging = one_in(2);
+    fmi2Type type = is_valid ? fmi2CoSimulation : (fmi2Type)chance(2);
+    const char *guid_text = is_valid || one_in(2) ? guid : "x", *location_text = is_valid ? location : WRONG[chance(6)];
+    instance->component = fmi2Instantiate("#1 100%n", type, guid_text, location_text, &callbacks, 0, instance->logging);
+    instance->time = 0.0;
+    if (instance->component) return;
     CHECK(messages == before + 1 && block_count == blocks_before);
 }
 
@@ -152,7 +152,7 @@ static double any_real(void) {
 static unsigned any_reference(void) { return one_in(20) ? (unsigned)chance(UINT32_MAX) : (unsigned)chance(variables + 2); }
 
 /* Get or set a few variables; an unknown variable must be refused. */
-static fmi2Status access_values(Instance *one) {
+static fmi2Status access_values(Instance *instance) {
     enum { FEW = 5 };
     unsigned vr[FEW];
     double reals[FEW];
@@ -172,39 +172,40 @@ static fmi2Status access_values(Instance *one) {
     int set = one_in(2);
     switch (chance(4)) {
     case 0:
-        status = set ? fmi2SetReal(one->component, from, count, real) : fmi2GetReal(one->component, from, count, real);
+        status = set ? fmi2SetReal(instance->component, from, count, real)
+                     : fmi2GetReal(instance->component, from, count, real);
         if (status == fmi2OK && count) digest_bytes(reals, count * sizeof *reals);
         break;
     case 1:
-        status = set ? fmi2SetInteger(one->component, from, count, integer)
-                     : fmi2GetInteger(one->component, from, count, integer);
+        status = set ? fmi2SetInteger(instance->component, from, count, integer)
+                     : fmi2GetInteger(instance->component, from, count, integer);
         if (status == fmi2OK && count) digest_bytes(integers, count * sizeof *integers);
         break;
-    case 2: return fmi2GetString(one->component, from, count, texts);
-    default: return fmi2SetRealInputDerivatives(one->component, from, count, integer, real);
+    case 2: return fmi2GetString(instance->component, from, count, texts);
+    default: return fmi2SetRealInputDerivatives(instance->component, from, count, integer, real);
     }
     CHECK(status == fmi2Error || !unknown);
     return status;
 }
 
-static fmi2Status step(Instance *one) {
+static fmi2Status step(Instance *instance) {
     double size = one_in(10) ? any_real() : (double)(1 + chance(64)) / 1024.0;
-    double from = one_in(10) ? any_real() : one->time;
+    double from = one_in(10) ? any_real() : instance->time;
     if (size > 10.0) size = 10.0; /* bounds the time that it all takes */
-    fmi2Status status = fmi2DoStep(one->component, from, size, (int)chance(2));
-    if (status == fmi2OK) one->time = from + size;
+    fmi2Status status = fmi2DoStep(instance->component, from, size, (int)chance(2));
+    if (status == fmi2OK) instance->time = from + size;
     CHECK(status == fmi2OK || status == fmi2Discard || status == fmi2Error);
     return status;
 }
 
-static fmi2Status serialize(Instance *one, fmi2FMUstate *state) {
+static fmi2Status serialize(Instance *instance, fmi2FMUstate *state) {
     size_t size = 0;
-    fmi2Status status = fmi2SerializedFMUstateSize(one->component, *state, one_in(20) ? NULL : &size);
+    fmi2Status status = fmi2SerializedFMUstateSize(instance->component, *state, one_in(20) ? NULL : &size);
     if (status != fmi2OK) return status;
     size_t room = one_in(10) ? chance(size) : size;
     char *bytes = malloc(room);
     CHECK(bytes);
-    status = fmi2SerializeFMUstate(one->component, *state, bytes, room);
+    status = fmi2SerializeFMUstate(instance->component, *state, bytes, room);
     CHECK(status == fmi2OK || room < size || !*state);
     if (status == fmi2OK) {
         digest_bytes(bytes, size);
@@ -212,10 +213,10 @@ static fmi2Status serialize(Instance *one, fmi2FMUstate *state) {
         int damaged = one_in(3) || given < size;
         if (damaged && given == size) bytes[chance(size)] ^= (char)(1 << chance(8));
         fmi2FMUstate again = NULL;
-        status = fmi2DeSerializeFMUstate(one->component, bytes, given, &again);
+        status = fmi2DeSerializeFMUstate(instance->component, bytes, given, &again);
         CHECK(!damaged || status == fmi2Error);
         if (status == fmi2OK) {
-            fmi2FreeFMUstate(one->component, state);
+            fmi2FreeFMUstate(instance->component, state);
             *state = again;
         }
     }
@@ -223,80 +224,81 @@ static fmi2Status serialize(Instance *one, fmi2FMUstate *state) {
     return status;
 }
 
-static fmi2Status use_state(Instance *one) {
-    Instance *other = one_in(5) ? &both[chance(2)] : one;
+static fmi2Status use_state(Instance *instance) {
+    Instance *other = one_in(5) ? &both[chance(2)] : instance;
     fmi2FMUstate *state = &other->states[chance(STATES)], none = NULL;
     fmi2Status status;
     switch (chance(5)) {
-    case 0: return fmi2GetFMUstate(one->component, one_in(30) ? NULL : state);
-    case 1: return fmi2FreeFMUstate(one->component, one_in(30) ? &none : state);
-    case 2: return serialize(one, state);
+    case 0: return fmi2GetFMUstate(instance->component, one_in(30) ? NULL : state);
+    case 1: return fmi2FreeFMUstate(instance->component, one_in(30) ? &none : state);
+    case 2: return serialize(instance, state);
     default:
-        status = fmi2SetFMUstate(one->component, *state);
-        if (status == fmi2OK) fmi2GetRealStatus(one->component, fmi2LastSuccessfulTime, &one->time);
+        status = fmi2SetFMUstate(instance->component, *state);
+        if (status == fmi2OK) fmi2GetRealStatus(instance->component, fmi2LastSuccessfulTime, &instance->time);
         return status;
     }
 }
 
-static fmi2Status ask(Instance *one) {
+static fmi2Status ask(Instance *instance) {
     fmi2StatusKind kind = (fmi2StatusKind)chance(4);
     fmi2Status status;
     fmi2Real real;
     fmi2Boolean boolean;
     fmi2String text;
     switch (chance(5)) {
-    case 0: return fmi2GetStatus(one->component, kind, one_in(10) ? NULL : &status);
-    case 1: return fmi2GetRealStatus(one->component, kind, one_in(10) ? NULL : &real);
-    case 2: return fmi2GetBooleanStatus(one->component, kind, one_in(10) ? NULL : &boolean);
-    case 3: return fmi2GetStringStatus(one->component, kind, one_in(10) ? NULL : &text);
-    default: return fmi2CancelStep(one->component);
+    case 0: return fmi2GetStatus(instance->component, kind, one_in(10) ? NULL : &status);
+    case 1: return fmi2GetRealStatus(instance->component, kind, one_in(10) ? NULL : &real);
+    case 2: return fmi2GetBooleanStatus(instance->component, kind, one_in(10) ? NULL : &boolean);
+    case 3: return fmi2GetStringStatus(instance->component, kind, one_in(10) ? NULL : &text);
+    default: return fmi2CancelStep(instance->component);
     }
 }
 
-static fmi2Status set_logging(Instance *one) {
+static fmi2Status set_logging(Instance *instance) {
     static const char *const NAMES[] = {"logAll", "logStatusError", "logStatusDiscard", "logNothing", NULL};
     const char *chosen[2] = {NAMES[chance(5)], NAMES[chance(5)]};
     size_t count = chance(3);
     int on = one_in(2);
-    fmi2Status status = fmi2SetDebugLogging(one->component, on, count, one_in(20) ? NULL : chosen);
-    if (status == fmi2OK) one->logging = count == 0 ? on : -1; /* -1: some */
+    fmi2Status status = fmi2SetDebugLogging(instance->component, on, count, one_in(20) ? NULL : chosen);
+    if (status == fmi2OK) instance->logging = count == 0 ? on : -1; /* -1: some */
     return status;
 }
 
-static fmi2Status call(Instance *one) {
+static fmi2Status call(Instance *instance) {
     switch (chance(24)) {
-    case 0: return fmi2SetupExperiment(one->component, one_in(2), any_real(), one_in(4) ? any_real() : 0.0, one_in(4), any_real());
-    case 1: return fmi2EnterInitializationMode(one->component);
-    case 2: return fmi2ExitInitializationMode(one->component);
-    case 3: return one_in(8) ? fmi2Terminate(one->component) : fmi2OK;
-    case 4: return one_in(8) ? fmi2Reset(one->component) : fmi2OK;
-    case 5: return set_logging(one);
-    case 6: return ask(one);
+    case 0: return fmi2SetupExperiment(instance->component, one_in(2), any_real(), one_in(4) ? any_real() : 0.0,
+                                        one_in(4), any_real());
+    case 1: return fmi2EnterInitializationMode(instance->component);
+    case 2: return fmi2ExitInitializationMode(instance->component);
+    case 3: return one_in(8) ? fmi2Terminate(instance->component) : fmi2OK;
+    case 4: return one_in(8) ? fmi2Reset(instance->component) : fmi2OK;
+    case 5: return set_logging(instance);
+    case 6: return ask(instance);
     case 7:
     case 8:
     case 9:
     case 10:
-    case 11: return use_state(one);
+    case 11: return use_state(instance);
     case 12:
     case 13:
     case 14:
     case 15:
-    case 16: return step(one);
-    default: return access_values(one);
+    case 16: return step(instance);
+    default: return access_values(instance);
     }
 }
 
 static void sequence(unsigned calls) {
     for (int i = 0; i < 2; i++) instantiate(&both[i]);
     for (unsigned k = 0; k < calls; k++) {
-        Instance *one = &both[chance(2)];
+        Instance *instance = &both[chance(2)];
         unsigned before = messages, remarks_before = remarks;
-        int logging = one->component ? one->logging : 0;
+        int logging = instance->component ? instance->logging : 0;
         blocks_left = one_in(20) ? (long)chance(2) : MOST;
-        fmi2Status status = call(one);
+        fmi2Status status = call(instance);
         CHECK(status == fmi2OK || status == fmi2Discard || status == fmi2Error);
-        CHECK(one->component || status != fmi2Discard);
-        if (logging == 0 && one->logging == 0) CHECK(remarks == remarks_before);
+        CHECK(instance->component || status != fmi2Discard);
+        if (logging == 0 && instance->logging == 0) CHECK(remarks == remarks_before);
         if (logging == 1 && status != fmi2OK) CHECK(messages > before);
         digest_bytes(&status, sizeof status);
     }

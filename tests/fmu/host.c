@@ -33,8 +33,8 @@ int main(int count, char **arguments) {
     FUNCTION(fmi2FreeInstance, void, fmi2Component);
 
     fmi2CallbackFunctions callbacks = {log_message, calloc, free, NULL, NULL};
-    fmi2Component one = fmi2Instantiate("host", fmi2CoSimulation, arguments[2], arguments[3], &callbacks, 0, 1);
-    need(one != NULL, "instantiate");
+    fmi2Component instance = fmi2Instantiate("host", fmi2CoSimulation, arguments[2], arguments[3], &callbacks, 0, 1);
+    need(instance != NULL, "instantiate");
     double size = atof(arguments[4]), value;
     int steps = atoi(arguments[5]);
     fmi2Integer whole;
@@ -44,22 +44,22 @@ int main(int count, char **arguments) {
         are_integers[i] = arguments[FIRST + i][0] == 'i';
         references[i] = (fmi2ValueReference)atoi(arguments[FIRST + i] + are_integers[i]);
     }
-    CALL(fmi2SetupExperiment(one, 0, 0.0, 0.0, 1, size * steps));
-    CALL(fmi2EnterInitializationMode(one));
-    CALL(fmi2ExitInitializationMode(one));
+    CALL(fmi2SetupExperiment(instance, 0, 0.0, 0.0, 1, size * steps));
+    CALL(fmi2EnterInitializationMode(instance));
+    CALL(fmi2ExitInitializationMode(instance));
     for (int k = 0; k < steps; k++) {
-        CALL(fmi2DoStep(one, k * size, size, 1));
+        CALL(fmi2DoStep(instance, k * size, size, 1));
         for (int i = 0; i < wanted; i++) {
             if (are_integers[i]) {
-                CALL(fmi2GetInteger(one, references + i, 1, &whole));
+                CALL(fmi2GetInteger(instance, references + i, 1, &whole));
                 value = whole;
             } else {
-                CALL(fmi2GetReal(one, references + i, 1, &value));
+                CALL(fmi2GetReal(instance, references + i, 1, &value));
             }
             printf("%.17g%c", value, i + 1 < wanted ? ' ' : '\n');
         }
     }
-    CALL(fmi2Terminate(one));
-    fmi2FreeInstance(one);
+    CALL(fmi2Terminate(instance));
+    fmi2FreeInstance(instance);
     return 0;
 }

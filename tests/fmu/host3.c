@@ -41,33 +41,33 @@ int main(int count, char **arguments) {
     fmi3ValueReference position = (fmi3ValueReference)atoi(arguments[8]);
     size_t length = (size_t)atoi(arguments[9]);
     need(length <= MOST, "room for the array");
-    fmi3Instance one = fmi3InstantiateCoSimulation("host", arguments[2], arguments[3], fmi3False, fmi3True, fmi3True,
-                                                   fmi3True, NULL, 0, NULL, log_message, NULL);
-    need(one != NULL, "instantiate");
-    CALL(fmi3EnterInitializationMode(one, fmi3False, 0.0, 0.0, fmi3True, stop));
-    CALL(fmi3ExitInitializationMode(one));
+    fmi3Instance instance = fmi3InstantiateCoSimulation("host", arguments[2], arguments[3], fmi3False, fmi3True, fmi3True,
+                                                        fmi3True, NULL, 0, NULL, log_message, NULL);
+    need(instance != NULL, "instantiate");
+    CALL(fmi3EnterInitializationMode(instance, fmi3False, 0.0, 0.0, fmi3True, stop));
+    CALL(fmi3ExitInitializationMode(instance));
     for (int k = 0, needed = 1;;) { /* it begins in event mode */
         fmi3Boolean again = fmi3True, ended, early, flag;
-        while (needed && again) CALL(fmi3UpdateDiscreteStates(one, &again, &ended, &flag, &flag, &flag, &next));
-        if (needed) CALL(fmi3EnterStepMode(one));
+        while (needed && again) CALL(fmi3UpdateDiscreteStates(instance, &again, &ended, &flag, &flag, &flag, &next));
+        if (needed) CALL(fmi3EnterStepMode(instance));
         if (needed && time > 0.0) {
             fmi3Int64 so_far;
-            CALL(fmi3GetFloat64(one, &last_time, 1, &impact, 1));
-            CALL(fmi3GetInt64(one, &impacts, 1, &so_far, 1));
+            CALL(fmi3GetFloat64(instance, &last_time, 1, &impact, 1));
+            CALL(fmi3GetInt64(instance, &impacts, 1, &so_far, 1));
             printf("%.17g %.17g %lld\n", time, impact, (long long)so_far);
         }
         if (time >= (k + 1) * size) k++;
         if (time >= stop) break;
         fmi3Boolean event;
         double target = (k + 1) * size < stop ? (k + 1) * size : stop;
-        CALL(fmi3DoStep(one, time, target - time, fmi3True, &event, &ended, &early, &time));
+        CALL(fmi3DoStep(instance, time, target - time, fmi3True, &event, &ended, &early, &time));
         need(!early || event, "an event, where a step returns early");
         needed = event;
-        if (needed) CALL(fmi3EnterEventMode(one));
+        if (needed) CALL(fmi3EnterEventMode(instance));
     }
-    CALL(fmi3GetFloat64(one, &position, 1, values, length));
+    CALL(fmi3GetFloat64(instance, &position, 1, values, length));
     for (size_t i = 0; i < length; i++) printf("%.17g%c", values[i], i + 1 < length ? ' ' : '\n');
-    CALL(fmi3Terminate(one));
-    fmi3FreeInstance(one);
+    CALL(fmi3Terminate(instance));
+    fmi3FreeInstance(instance);
     return 0;
 }

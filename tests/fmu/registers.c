@@ -68,15 +68,15 @@ static void *run(void *library) {
     FUNCTION(fmi2SetReal, fmi2Status, fmi2Component, const fmi2ValueReference[], size_t, const fmi2Real[]);
     FUNCTION(fmi2FreeInstance, void, fmi2Component);
     const fmi2CallbackFunctions callbacks = {log_message, calloc, free, NULL, NULL};
-    fmi2Component one = fmi2Instantiate("host", fmi2CoSimulation, arguments[2], arguments[3], &callbacks, 0, 1);
-    need(one != NULL, "instantiate");
-    CALL(OK, fmi2SetupExperiment(one, 1, 1e-3, 0.0, 1, steps * STEP));
-    CALL(OK, fmi2EnterInitializationMode(one));
-#define SET(value) fmi2SetReal(one, references, 1, value)
-#define GET(count, place) fmi2GetReal(one, references, (size_t)count, place)
-#define DO_STEP(now) fmi2DoStep(one, now, STEP, 1)
-#define START() fmi2ExitInitializationMode(one)
-#define END() fmi2FreeInstance(one)
+    fmi2Component instance = fmi2Instantiate("host", fmi2CoSimulation, arguments[2], arguments[3], &callbacks, 0, 1);
+    need(instance != NULL, "instantiate");
+    CALL(OK, fmi2SetupExperiment(instance, 1, 1e-3, 0.0, 1, steps * STEP));
+    CALL(OK, fmi2EnterInitializationMode(instance));
+#define SET(value) fmi2SetReal(instance, references, 1, value)
+#define GET(count, place) fmi2GetReal(instance, references, (size_t)count, place)
+#define DO_STEP(now) fmi2DoStep(instance, now, STEP, 1)
+#define START() fmi2ExitInitializationMode(instance)
+#define END() fmi2FreeInstance(instance)
 #else
     fmi3Boolean event, ended, early;
     double reached;
@@ -91,15 +91,15 @@ static void *run(void *library) {
     FUNCTION(fmi3GetFloat64, fmi3Status, fmi3Instance, const fmi3ValueReference[], size_t, fmi3Float64[], size_t);
     FUNCTION(fmi3SetFloat64, fmi3Status, fmi3Instance, const fmi3ValueReference[], size_t, const fmi3Float64[], size_t);
     FUNCTION(fmi3FreeInstance, void, fmi3Instance);
-    fmi3Instance one = fmi3InstantiateCoSimulation("host", arguments[2], arguments[3], 0, 1, 0, 0, NULL, 0, NULL,
-                                                   log_message, NULL);
-    need(one != NULL, "instantiate");
-    CALL(OK, fmi3EnterInitializationMode(one, 1, 1e-3, 0.0, 1, steps * STEP));
-#define SET(value) fmi3SetFloat64(one, references, 1, value, 1)
-#define GET(count, place) fmi3GetFloat64(one, references, (size_t)count, place, (size_t)count)
-#define DO_STEP(now) fmi3DoStep(one, now, STEP, 1, &event, &ended, &early, &reached)
-#define START() fmi3ExitInitializationMode(one)
-#define END() fmi3FreeInstance(one)
+    fmi3Instance instance = fmi3InstantiateCoSimulation("host", arguments[2], arguments[3], 0, 1, 0, 0, NULL, 0, NULL,
+                                                        log_message, NULL);
+    need(instance != NULL, "instantiate");
+    CALL(OK, fmi3EnterInitializationMode(instance, 1, 1e-3, 0.0, 1, steps * STEP));
+#define SET(value) fmi3SetFloat64(instance, references, 1, value, 1)
+#define GET(count, place) fmi3GetFloat64(instance, references, (size_t)count, place, (size_t)count)
+#define DO_STEP(now) fmi3DoStep(instance, now, STEP, 1, &event, &ended, &early, &reached)
+#define START() fmi3ExitInitializationMode(instance)
+#define END() fmi3FreeInstance(instance)
 #endif
     CALL(OK, GET(1, values));
     CALL(ERROR, SET(&none));
