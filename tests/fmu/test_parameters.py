@@ -124,7 +124,7 @@ def height():
     return load_scene("rod_drop").initial.position[1]
 
 
-# --- what a scene derives follows the parameters until it is set -------------------------------------------
+# --- derived values follow the other parameters until they are set -----------------------------------------
 
 DERIVED = ["link[1].center_of_mass", "link[1].inertia", "link[2].center_of_mass"]
 DERIVED += ["stop.exponent", "stop.restitution"]

@@ -66,7 +66,7 @@ def test_every_model_keeps_to_its_reference_which_is_small(fmus, model):
 @pytest.mark.full("more cases", but=["four_link_box", "rod_drop"])
 @pytest.mark.parametrize("model", ["four_link_box", "rod_drop", "ramp"])
 def test_the_results_are_those_of_another_method_at_a_tight_tolerance(native, model):
-    """The other method is the explicit one, with the reference's tolerance and its own steps."""
+    """The other method is the explicit one, with the tolerance of the reference."""
     columns = table_of(native[model])
     expected = simulate(load_scene(model), tolerance=REFERENCE_TOLERANCE, method="explicit")
     compared = [name for name in columns if name in expected.columns]
@@ -75,12 +75,12 @@ def test_the_results_are_those_of_another_method_at_a_tight_tolerance(native, mo
     times = columns["time"][1][has_row]
     rows = np.searchsorted(expected.time, times - 1e-9)
     for name in compared:
-        # a tolerance is ten times the largest deviation of a run at the scene's own tolerance
+        # a tolerance in the table is ten times the largest deviation of a run with the scene's tolerance
         tolerance, values = columns[name]
         error = np.abs(expected.columns[name][rows] - values[has_row]).max()
         assert error <= tolerance / 5 + 1e-10, name
-    begun = [np.sum(expected.impacts["onset"] <= time) for time in times]
-    assert columns["impact.count"][1][has_row].tolist() == begun
+    impact_counts = [np.sum(expected.impacts["onset"] <= time) for time in times]
+    assert columns["impact.count"][1][has_row].tolist() == impact_counts
 
 
 @pytest.mark.full("takes long")

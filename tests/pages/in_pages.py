@@ -58,7 +58,10 @@ def page_contents(scene):
 
 
 def without_advice(refusal):
-    """Return a refusal without the advice at its end, of which Python has more; 1, 1.0 and 1e0 are equal."""
+    """Return a refusal without the advice at its end, and with one text for 1, 1.0 and 1e0.
+
+    Python gives advice in cases in which a page gives none.
+    """
     return re.sub(r"\d+(\.\d*)?(e[-+]?\d+)?", lambda at: f"{float(at[0]):g}", refusal.partition("; ")[0])
 
 

@@ -24,7 +24,7 @@ FUNCTIONS = Path(__file__).with_name("functions")
 
 @cache
 def function_of(file, name):
-    """Return the text of a function of a file in FUNCTIONS; the page itself has what the file imports."""
+    """Return the text of a function of a file in FUNCTIONS; a page has what the file imports."""
     text = (FUNCTIONS / f"{file}.js").read_text("utf-8")
     (function,) = re.findall(rf"^export const {name} = (.*?);\n(?=\n|\Z)", text, re.MULTILINE | re.DOTALL)
     return function

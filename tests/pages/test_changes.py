@@ -1,4 +1,4 @@
-"""Changed parameters of the page: derived values follow, a refused change leaves all as it is."""
+"""Changed parameters of the page: derived values follow, a refused change has no effect."""
 
 # Tests: pages/browser/scene/changes.js, pages/browser/explore/edited_scene.js
 # Tests: pages/browser/base/paths.js, pages/browser/scene/changed_file.js, pages/browser/scene/page_scene.js
@@ -59,7 +59,7 @@ def test_contradicting_values_are_refused_with_the_sentence_of_python(script, mo
     ids=str,
 )
 def test_derived_values_are_shown_as_in_the_edited_file(script, changes):
-    """A derived value follows its sources again after a reset."""
+    """After a reset, derived values have their start values."""
     expected = edited(FINGER, changes)
     values_in_use, text, back, starts = script.evaluate(
         function_of("changes", "derivedValues"),

@@ -1,4 +1,4 @@
-"""The page's edit dialog: scenes that are edited by hand move as in Python, and faults are told."""
+"""The page's edit dialog: edited scenes move as in Python, and faults in a text are shown."""
 
 # Tests: pages/browser/explore/editor.js, pages/browser/explore/file_fault.js
 # Tests: pages/browser/explore/scene_text.js, pages/browser/base/tabs.js

@@ -81,7 +81,7 @@ def test_outputs_beyond_the_ends_of_the_scale_have_colours_of_their_own(script):
 
 @pytest.mark.parametrize(("size", "are_jumping"), [(0.0, False), (0.5, True)])
 def test_runs_jump_where_single_ones_differ_from_both_neighbours(script, size, are_jumping):
-    """A slope with a step has no such run, and a run without an output is none."""
+    """No run of a slope with a step differs from both neighbours; a run without an output is left out."""
     points = 41
     column, row = np.meshgrid(np.arange(points), np.arange(points))
     outputs = 5.0 + column / points + (column + row > 50) + size * ((7 * column + 11 * row) % 9 == 0)

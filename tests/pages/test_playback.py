@@ -37,7 +37,7 @@ pytestmark = needs_browser
 
 
 def time_after(page, milliseconds):
-    """Return the simulated time that is shown after some time on the page's own clock, which stands still."""
+    """Advance the page's clock, which stands still otherwise, and return the simulated time that is shown."""
     page.clock.run_for(milliseconds)
     return float(page.evaluate(TIME_TEXT).removesuffix(" s"))
 

@@ -180,7 +180,7 @@ def test_a_decimal_comma_in_a_cell_is_pointed_at(tmp_path):
     assert message.endswith("; a number has a decimal point: 0.5")
 
 
-# --- what is allowed, but may be meant otherwise -----------------------------------------------------------
+# --- values that are allowed, but may be mistakes -----------------------------------------------------------
 
 
 def test_a_centre_of_mass_beyond_the_link_is_allowed_and_pointed_at():
