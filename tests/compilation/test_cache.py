@@ -292,18 +292,18 @@ def test_a_compiler_that_fails_on_a_full_disk_is_the_same_sentence(monkeypatch):
 
 def test_a_process_that_waits_says_so(monkeypatch):
     monkeypatch.setattr(cache, "UNREPORTED_WAIT", 0.05)
-    begun, logged = threading.Event(), threading.Event()
-    monkeypatch.setattr(cache.log, "debug", lambda sentence: (messages.append(sentence), logged.set()))
+    has_begun, is_logged = threading.Event(), threading.Event()
+    monkeypatch.setattr(cache.log, "debug", lambda sentence: (messages.append(sentence), is_logged.set()))
     messages = []
 
     def make(path):
-        begun.set()
-        logged.wait(600.0)
+        has_begun.set()
+        is_logged.wait(600.0)
         path.write_text("whole")
 
     first_thread = threading.Thread(target=lambda: get_or_make("a.so", make))
     first_thread.start()
-    begun.wait()
+    has_begun.wait()
     get_or_make("a.so", make)
     first_thread.join()
     assert messages == ["waiting for another process that compiles the kernel"]

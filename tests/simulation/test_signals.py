@@ -148,8 +148,8 @@ def test_the_checks_of_a_start_know_what_signals_make_of_it(name):
     assert at_start(scene, input_name) == simulate(scene, 1e-3)[input_name][0]
     if name in ("smooth", "trapezoid", "chirp"):
         for start in (-0.02, -0.17, -1.0):  # the signal began before the run
-            begun = scene.with_values({"signal.drive.start": start})
-            assert at_start(begun, input_name) == simulate(begun, 1e-3)[input_name][0]
+            started_scene = scene.with_values({"signal.drive.start": start})
+            assert at_start(started_scene, input_name) == simulate(started_scene, 1e-3)[input_name][0]
 
 
 def test_a_base_and_a_wall_start_where_signals_have_them():
