@@ -343,9 +343,9 @@ def speeds(run: Account) -> Iterator[Row]:
     """Check that points move into the wall when contacts begin, and away from it when they end."""
     fastest = run.chain.size + float(np.linalg.norm(run.outputs["point_velocity"], axis=2).max())
     for name in ("impact_speed", "separation_speed"):
-        impact_speeds = run.impacts[name][~np.isnan(run.impacts[name])]
+        contact_speeds = run.impacts[name][~np.isnan(run.impacts[name])]
         least = float(
-            (impact_speeds * run.laws_of_impacts.unit[~np.isnan(run.impacts[name])]).min(initial=0.0)
+            (contact_speeds * run.laws_of_impacts.unit[~np.isnan(run.impacts[name])]).min(initial=0.0)
         )
         yield f"negative {name}", -least, ROUND_OFF * fastest, f"{name} below zero by [m/s]"
 

@@ -46,15 +46,15 @@ def independent(without, name):
 
 def _faults():
     """Return version of FMI → name → fault."""
-    fault_functions = {"2": {}, "3": {}}
+    faults = {"2": {}, "3": {}}
     for block in re.split(r"\n(?=[23])", Path(__file__).with_suffix(".txt").read_text(encoding="utf-8"))[1:]:
         head, *changes = block.splitlines()
         kinds, name, sentence = head.split(" | ")
         versions, verdict, *run = kinds.split()
         fault = Fault(verdict, bool(run), sentence, [_pair(*line.split(" ⇒")) for line in changes])
         for version in versions:
-            fault_functions[version][name] = fault
-    return fault_functions
+            faults[version][name] = fault
+    return faults
 
 
 def _pair(pattern, new=""):

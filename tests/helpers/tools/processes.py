@@ -85,9 +85,9 @@ class Processes:
         return int(answer), *(file.read_text(encoding="utf-8", errors="replace") for file in files)
 
     def failure(self, module: str, fault: str) -> str:
-        """Return the fault of the process that imports a module.
+        """End the process that imports a module; return a sentence with its fault, and its standard error.
 
-        End the process, so that the next call starts another.
+        The next call starts another process.
         """
         parent = self.parents.pop(module)
         parent.kill()

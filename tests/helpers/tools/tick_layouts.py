@@ -54,14 +54,14 @@ def _boxes(axis: Axis, ticks: Any, renderer: Any) -> Any:
 
 
 def _used(kind: str, axis: Axis, new: Callable[[], Any], compared: Callable[[Any], Any]) -> Any:
-    """Return the kept result of a function for an axis, or a new one."""
+    """Return the kept result of ``new`` for an axis, or its result now; they are compared by ``compared``."""
     if not _kept:
         return new()
     sides = {axis.axes, axis.major.locator.axis.axes}
     key = kind, axis, *(side.bbox.bounds + tuple(side.viewLim.bounds) for side in sides)
-    layout = _kept[-1].get(key)
-    if layout is None:
-        layout = _kept[-1][key] = new()
+    result = _kept[-1].get(key)
+    if result is None:
+        result = _kept[-1][key] = new()
     elif next(_uses) % CHECKED == 0:
-        assert compared(layout) == compared(new()), f"other {kind} of {axis}"
-    return layout
+        assert compared(result) == compared(new()), f"other {kind} of {axis}"
+    return result
