@@ -359,10 +359,10 @@ def test_the_colours_of_a_map(script, seed):
     close(ends, colour_ends(values, logarithmic=is_logarithmic))
 
 
-@pytest.mark.parametrize(("smallest", "largest"), [(3, 4), (0, 11), (7, 95), (100, 12_345)])
-def test_the_colours_of_counts(script, smallest, largest):
-    bins, shares = script.evaluate(STEPS, [largest, smallest])
-    assert bins == count_bins(smallest, largest)
+@pytest.mark.parametrize(("least_count", "largest_count"), [(3, 4), (0, 11), (7, 95), (100, 12_345)])
+def test_the_colours_of_counts(script, least_count, largest_count):
+    bins, shares = script.evaluate(STEPS, [largest_count, least_count])
+    assert bins == count_bins(least_count, largest_count)
     assert shares == [0.0, 1.0]
 
 

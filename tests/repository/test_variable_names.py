@@ -92,11 +92,8 @@ body_model chain_friction chain_model chain_parts complex_laws derivatives probl
 """Helpers whose code is part of the hashes of stored answers; they are not read."""
 SAY_NOTHING = "done found known one right said told truth"
 """Alone, none of them says what a variable holds: a value is a ``result``, its known value ``expected``."""
-WITHOUT_ADJECTIVES = (
-    "benchmarks docs/tools tests/*.py tests/conversion tests/pictures tests/recording tests/repository "
-    "tests/results tests/studies"
-)
-"""Rooms in which no variable is one of ADJECTIVES, either, except ``expected`` and the fixture ``here``."""
+WITHOUT_ADJECTIVES = {*ROOMS_OF_TESTS.split()} - {"tests/helpers", "tests/kernel", "tests/scenarios"}
+"""Rooms in which no variable is one of ADJECTIVES, either, except ``expected``."""
 
 
 @pytest.mark.parametrize("room", ROOMS_OF_TESTS.split())
@@ -106,8 +103,8 @@ def test_no_variable_of_a_test_says_nothing(room):
     files -= {file for file in files if file.parent.parent.name == "helpers" and file.stem in HASHED.split()}
     assert files
     names = {(file.name, name) for file in files for _, name in variables(file)}
-    words = {*SAY_NOTHING.split(), *(ADJECTIVES.split() if room in WITHOUT_ADJECTIVES.split() else ())}
-    assert {pair for pair in names if pair[1].lower().strip("_") in words - {"expected", "here"}} == set()
+    words = {*SAY_NOTHING.split(), *(ADJECTIVES.split() if room in WITHOUT_ADJECTIVES else ())}
+    assert {pair for pair in names if pair[1].lower().strip("_") in words - {"expected"}} == set()
 
 
 @pytest.mark.parametrize("room", sorted(ROOMS))

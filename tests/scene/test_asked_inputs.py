@@ -25,12 +25,12 @@ def test_what_is_advised_makes_the_input(model):
     }
     for name in sorted(names - {*inputs_of(scene)}):
         advice = request_hint(scene, name)
-        nearest = re.search(r"the nearest is ([^,;]+)", advice)
-        expected_input = nearest[1] if nearest else name
+        nearest_name = re.search(r"the nearest is ([^,;]+)", advice)
+        expected_input = nearest_name[1] if nearest_name else name
         if request := ASKS.search(advice):
             value = [request[3]] if request[3] else True
             assert expected_input in inputs_of(scene.with_values({f"inputs.{request[1]}": value})), advice
-        elif nearest:
+        elif nearest_name:
             assert expected_input in inputs_of(scene), advice
         elif "chain.base" in advice:
             key = "slider_force" if name.startswith("slider") else "base_motion"

@@ -33,12 +33,12 @@ values = [6.0, 9.0]
 def test_an_impulse_has_a_derivative_by_the_time_of_a_jump(input_name):
     scene, parameter = parse_scene(PRESSED.replace("INPUT", input_name), "x"), "signal.push.time[2]"
     run = simulate(scene, sensitivities=[parameter], tolerance=1e-12)
-    earlier, later = (
+    earlier_run, later_run = (
         simulate(scene.with_values({parameter: 0.104 + h}), tolerance=1e-13) for h in (-1e-5, 1e-5)
     )
     jumps = []
     for output in ("contact[1].side.impulse", "joint[1].impulse.x", "joint[1].impulse.y"):
-        slope = (later[output] - earlier[output]) / 2e-5
+        slope = (later_run[output] - earlier_run[output]) / 2e-5
         np.testing.assert_allclose(run.sensitivity(output, parameter), slope, rtol=0.0, atol=1e-6)
         jumps.append(abs(slope[-1]))
     assert max(jumps) > 1.0
@@ -82,13 +82,13 @@ def test_a_largest_force_has_a_derivative_by_the_time_of_a_jump(name):
     result = run.sensitivity("joint[1].peak_force", parameter)
     assert result[-1] == pytest.approx(expected, rel=1e-6)
     for size in (1e-6, 5e-6):
-        earlier, later = (
+        earlier_run, later_run = (
             simulate(scene.with_values({parameter: value + h}), tolerance=1e-12) for h in (-size, size)
         )
-        slope = (later["joint[1].peak_force"] - earlier["joint[1].peak_force"]) / (2.0 * size)
+        slope = (later_run["joint[1].peak_force"] - earlier_run["joint[1].peak_force"]) / (2.0 * size)
         np.testing.assert_allclose(result, slope, rtol=1e-5, atol=1e-4)
         for quantity in ("peak_force", "joint_force"):
-            slope = (later.impacts[quantity] - earlier.impacts[quantity]) / (2.0 * size)
+            slope = (later_run.impacts[quantity] - earlier_run.impacts[quantity]) / (2.0 * size)
             of_impacts = run.impact_sensitivity(quantity, parameter)
             np.testing.assert_allclose(of_impacts, slope, rtol=1e-5, atol=1e-4)
 

@@ -35,14 +35,16 @@ def test_a_quotient_is_written_as_one():
     assert [quotient(*pair) for pair in pairs] == ["m/(kg)", "N.m/(m/s)", "m", "1", "1"]
 
 
-@pytest.mark.parametrize(("above", "below"), [("m/s", "kg"), ("N.m", "m/s"), ("J", "N.m.s/rad"), ("1", "kg")])
-def test_the_powers_of_a_quotient_are_differences(above, below):
-    powers = Counter(UNITS[above].powers)
-    powers.subtract(UNITS[below].powers)
-    quotient_unit = unit_of(f"{above}/({below})")
+@pytest.mark.parametrize(
+    ("dividend", "divisor"), [("m/s", "kg"), ("N.m", "m/s"), ("J", "N.m.s/rad"), ("1", "kg")]
+)
+def test_the_powers_of_a_quotient_are_differences(dividend, divisor):
+    powers = Counter(UNITS[dividend].powers)
+    powers.subtract(UNITS[divisor].powers)
+    quotient_unit = unit_of(f"{dividend}/({divisor})")
     assert quotient_unit.powers == {base: power for base, power in powers.items() if power}
-    assert quotient_unit.quantity == f"{UNITS[above].quantity}Per{UNITS[below].quantity}"
-    assert unit_of(above) is UNITS[above]
+    assert quotient_unit.quantity == f"{UNITS[dividend].quantity}Per{UNITS[divisor].quantity}"
+    assert unit_of(dividend) is UNITS[dividend]
     assert unit_of("m/(N/m^exponent)").powers is None
 
 
