@@ -23,16 +23,16 @@ fmu, reference, when = sys.argv[1], int(sys.argv[2]), sys.argv[3]
 
 def execution():
     slave = CosimLocalSlave(fmu, "chain")
-        cosim = CosimExecution.from_step_size(1_000_000)
-        return cosim, slave, cosim.add_local_slave(slave)
+    cosim = CosimExecution.from_step_size(1_000_000)
+    return cosim, slave, cosim.add_local_slave(slave)
 
 first, slave, place = execution()
 if when == "start":
-        first.real_initial_value(place, reference, 2.0)
+    first.real_initial_value(place, reference, 2.0)
 else:
     manipulator = CosimManipulator.create_override()
-        first.add_manipulator(manipulator)
-        assert first.step(5)
+    first.add_manipulator(manipulator)
+    assert first.step(5)
     manipulator.slave_real_values(place, [reference], [2.0])
 assert not first.step()
 del first
