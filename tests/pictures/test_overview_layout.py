@@ -99,6 +99,17 @@ def test_texts_fit_a_page_of_any_width(model, width):
 
 
 @pytest.mark.full("takes long")
+@pytest.mark.parametrize("width", [175, 185, 195])
+def test_a_motion_stands_above_panels_that_lack_room_beside_it(width):
+    """The legend of the energies is wider than the room beside this motion."""
+    page = page_of_width("shaken_pendulum", width)
+    assert is_beside(broadness(recorded("shaken_pendulum")), width / 25.4)
+    panels = {axes.get_label(): axes.get_window_extent() for axes in page.axes}
+    assert panels["motion"].y0 > panels["energy"].y1
+    check_texts(page)
+
+
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("model", ["arm_at_stop", "rod_drop", "hopper", "stick_slip_belt"])
 def test_a_slim_motion_leaves_no_empty_half_on_a_page_of_120_mm(model):
     page = page_of_width(model, 120)

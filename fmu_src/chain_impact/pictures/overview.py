@@ -16,7 +16,7 @@ from chain_impact.pictures.drawing.sizes import Size
 from chain_impact.pictures.drawing.style import drawing_style, is_narrow, write_foot
 from chain_impact.pictures.drawing.used_pixels import UsedPixels
 from chain_impact.pictures.drawing.users_axes import draw_into, fit_into_figure
-from chain_impact.pictures.motion.motion import all_entries, draw_motion, few_entries, note_on_lines
+from chain_impact.pictures.motion.motion import all_entries, draw_motion, few_entries, note_on_lines, small_reach
 from chain_impact.pictures.motion.view import GROWTH_FACTORS, is_flat, view_of
 from chain_impact.pictures.over_time.dry_friction import move_legend_to_foot
 from chain_impact.pictures.over_time.impacts import late_mark_text
@@ -49,12 +49,17 @@ MOST_BAND = 0.35  # the largest width of this area, relative to the shorter side
 
 @drawing_style()
 def draw_overview(
-    figure: Figure, recording: Recording, panels: Sequence[str] = (), title: str | None = ""
+    figure: Figure,
+    recording: Recording,
+    panels: Sequence[str] = (),
+    title: str | None = "",
+    *,
+    is_above: bool = False,
 ) -> None:
     """Draw the panels named ``panels`` on an empty figure; without names, those of ``panels_to_draw``.
 
     A motion in the plane is to the left of the panels over time or, if there is no room for that
-    (``is_beside``), above these panels. In a narrow figure, the legend of a slim motion is beside the motion,
+    (``is_beside``) or if ``is_above``, above these panels. In a narrow figure, the legend of a slim motion is beside the motion,
     unless a panel is there. If the title is "", a summary of the run is the headline; None means no headline.
 
     Raises:
@@ -67,12 +72,13 @@ def draw_overview(
         f"lines below marks: {late_text}" if late_text else "",
         *recording.points_through_walls,
         unreached_walls(recording) if "motion" in shown_panels else "",
+        *(small_reach(recording, view_of(recording).corners) for name in shown_panels if name == "motion"),
     )
     if any(notes):
         write_foot(figure, SEPARATOR.join(filter(None, notes)))
     if title is not None:
         write_head(figure, recording, title, panels=shown_panels)
-    panel_axes = axes_of(figure, recording, shown_panels)
+    panel_axes = axes_of(figure, recording, shown_panels, is_above=is_above)
     motion = None if is_over_time(recording, "motion") else panel_axes.get("motion")
     time_panels = [axes for name, axes in panel_axes.items() if is_over_time(recording, name)]
     # in a narrow figure the panel of impacts below the marks explains them, and its legend has more room
@@ -94,7 +100,7 @@ def draw_overview(
         settle(figure)
     else:
         ratio = broadness(recording)
-        is_alone = len(panel_axes) == 1 or not is_beside(ratio, figure.get_figwidth())
+        is_alone = is_above or len(panel_axes) == 1 or not is_beside(ratio, figure.get_figwidth())
         _settle_motion(figure, motion, recording, ratio, is_alone=is_alone)
     figure.set_layout_engine("none")  # nothing moves while labels are placed
     used_pixels = UsedPixels(figure)
@@ -199,13 +205,14 @@ def panels_to_draw(recording: Recording, panels: Sequence[str]) -> list[str]:
 
 
 def usual_size(
-    recording: Recording, panels: Sequence[str] = (), size: Size | None = None
+    recording: Recording, panels: Sequence[str] = (), size: Size | None = None, *, is_above: bool = False
 ) -> tuple[float, float]:
     """Return the usual width and height of a figure with some panels [inches].
 
-    With ``size``, the height is the usual one for the width of ``size`` (``size_for``).
+    With ``size``, the height is the usual one for the width of ``size`` (``size_for``). ``is_above`` is as
+    for ``draw_overview``.
 
     Raises:
         ValueError: when a panel does not exist.
     """
-    return size_for(recording, panels_to_draw(recording, panels), size)
+    return size_for(recording, panels_to_draw(recording, panels), size, is_above=is_above)

@@ -114,23 +114,27 @@ def heights_of(recording: Recording, shown_panels: Sequence[str], width: float) 
     return heights + ([CLOCK_SHARE] if has_colours else [])
 
 
-def size_for(recording: Recording, shown_panels: Sequence[str], size: Size | None) -> tuple[float, float]:
+def size_for(
+    recording: Recording, shown_panels: Sequence[str], size: Size | None, *, is_above: bool = False
+) -> tuple[float, float]:
     """Return the width and the usual height of a figure [inches] with the panels in ``shown_panels``.
 
+    ``is_above`` is as for ``draw_overview``.
     The width is that of ``size`` or, without ``size``, the usual one. But the result is FIGURE_SIZE, whatever
     ``size`` is, for a motion in the plane alone, and for panels without a motion.
     """
     width = figure_size(size)[0] if size else FULL_WIDTH
     time_panels = [name for name in shown_panels if is_in_column(recording, name)]
     ratio = broadness(recording)
+    has_columns = is_beside(ratio, width) and not is_above
     if not time_panels or "motion" not in shown_panels:
         return FIGURE_SIZE
-    is_column = width <= COLUMN and "motion" not in time_panels and not is_beside(ratio, width)
+    is_column = width <= COLUMN and "motion" not in time_panels and not has_columns
     energy = ENERGY_IN_COLUMN if is_column else ENERGY_HEIGHT
     over_time = energy * sum(heights_of(recording, shown_panels, width)) + TEXTS * len(time_panels)
     if "motion" in time_panels:
         return width, HEADS + over_time
-    if is_beside(ratio, width):
+    if has_columns:
         legend_width = LEGEND_WIDTH if has_legend_beside(ratio, width) else 0.0
         motion = (motion_share(ratio, width) * width - legend_width - MARGINS) / ratio
         return width, HEADS + max(over_time, min(max(motion, LOWEST), HIGHEST * width) + TEXTS)
@@ -142,8 +146,10 @@ def size_for(recording: Recording, shown_panels: Sequence[str], size: Size | Non
     return width, max(height, FIGURE_SIZE[1]) if width < TWO_COLUMN_WIDTH else height
 
 
-def axes_of(figure: Figure, recording: Recording, shown_panels: Sequence[str]) -> dict[str, Axes]:
-    """Return the axes of a figure: name of a panel → axes.
+def axes_of(
+    figure: Figure, recording: Recording, shown_panels: Sequence[str], *, is_above: bool = False
+) -> dict[str, Axes]:
+    """Return the axes of a figure: name of a panel → axes; ``is_above`` is as for ``draw_overview``.
 
     If a motion in the plane is shown with panels over time, "time" has the axes of the colours of time, below
     these panels.
@@ -153,7 +159,7 @@ def axes_of(figure: Figure, recording: Recording, shown_panels: Sequence[str]) -
     ratio = broadness(recording) if has_motion else 1.0
     heights = heights_of(recording, shown_panels, width)
     names = [*time_panels, *(["time"] if time_panels and has_motion else [])]
-    if has_motion and time_panels and is_beside(ratio, width):
+    if has_motion and time_panels and is_beside(ratio, width) and not is_above:
         share = motion_share(ratio, width)
         columns = figure.add_gridspec(1, 2, width_ratios=[share, 1.0 - share])
         anchor = "NW" if has_legend_beside(ratio, width) else "N"

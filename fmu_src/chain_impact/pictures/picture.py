@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from contextlib import suppress
 from functools import partial
 from typing import NamedTuple
 
 from matplotlib.figure import Figure
 
 from chain_impact.pictures.curves import curves_size, draw_curve_figure
-from chain_impact.pictures.drawing.figures import FIGURE_SIZE, DrawContents, draw_figure
+from chain_impact.pictures.drawing.figures import FIGURE_SIZE, DrawContents, NoRoomError, draw_figure
 from chain_impact.pictures.drawing.sizes import Size
 from chain_impact.pictures.impact import IMPACT_SIZE, draw_impact
 from chain_impact.pictures.overview import draw_overview, usual_size
@@ -26,14 +27,22 @@ class Picture(NamedTuple):
     Attributes:
         draw: the function that draws the picture on an empty figure.
         usual_size: the width and height of its figure [inches] if the user gives no size.
+        spare: the picture that replaces this one in a figure where this one has no room; None without one.
     """
 
     draw: DrawContents
     usual_size: tuple[float, float] = FIGURE_SIZE
+    spare: Picture | None = None
 
     def plot(self, path: str | os.PathLike[str] | None = None, *, size: Size | None = None) -> Figure | None:
         """Draw the picture into a file, or return its figure, as ``draw_figure`` does."""
-        return draw_figure(self.draw, path, size, self.usual_size)
+        try:
+            return draw_figure(self.draw, path, size, self.usual_size)
+        except NoRoomError:
+            if self.spare is not None:
+                with suppress(NoRoomError):
+                    return self.spare.plot(path, size=size)
+            raise
 
 
 def overview_picture(
@@ -41,10 +50,13 @@ def overview_picture(
 ) -> Picture:
     """Return the picture with the panels of a recording: motion, energy, impacts.
 
+    If a motion beside the other panels leaves these no room, it stands above them.
     The arguments are those of ``draw_overview`` and of ``usual_size``, which raise errors.
     """
     draw = partial(draw_overview, recording=recording, panels=panels, title=title)
-    return Picture(draw, usual_size(recording, panels, size))
+    spare_size = usual_size(recording, panels, size, is_above=True)
+    spare = Picture(partial(draw, is_above=True), spare_size)
+    return Picture(draw, usual_size(recording, panels, size), spare)
 
 
 def curves_picture(recording: Recording, curves: Curves, title: str | None = "") -> Picture:

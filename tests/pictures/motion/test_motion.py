@@ -21,6 +21,7 @@ from chain_impact.pictures.drawing.labels import MARK_LENGTH
 from chain_impact.pictures.drawing.style import LOAD, PEAK_COLOUR, force_text
 from chain_impact.pictures.motion.impact_rings import RING_SIZE, rings, rows_by_speed
 from chain_impact.pictures.motion.joint_forces import LOAD_SHIFT, draw_loads, part_in_view, shifted_foot
+from chain_impact.pictures.motion.motion import small_reach
 from chain_impact.pictures.motion.named_points import NAME, touching_points
 from chain_impact.pictures.motion.poses import FAINT_POSES, MOST_STRONG_POSES, distinct_poses, strong_rows
 from chain_impact.pictures.motion.view import view_of
@@ -176,7 +177,16 @@ def test_the_legend_tells_that_the_last_swing_covers_earlier_ones():
 
 def test_a_motion_that_marks_hide_is_told_and_has_no_path():
     labels = motion_of(recorded("sphere_on_wall")).get_legend_handles_labels()[1]
-    assert labels == ["start", "end", "moves within\n2.05 mm", "peak force"]
+    assert labels == ["start", "end", "peak force"]
+    foot = " ".join(text.get_text() for text in page_of(recorded("sphere_on_wall"))[0].texts)
+    assert "no point moves more than 2.05 mm along x or y" in foot.replace("\n", " ")
+
+
+def test_points_of_a_body_count_in_what_moves():
+    """The corners of the block move by 0.13 m, the ends of the link by much less."""
+    recording = recorded("rocking_block")
+    assert np.ptp(recording.all_points, axis=0).max() > 5.0 * np.ptp(recording.points, axis=0).max()
+    assert small_reach(recording, view_of(recording).corners) == ""
 
 
 def test_walls_that_are_not_reached_are_told_if_none_is_drawn():
@@ -248,6 +258,17 @@ def test_impacts_at_one_place_share_a_ring():
     many = [impact_row(0.2 + k / 10, k % 2, "y_max" if k % 2 else "y_min", 1.0 + (k == 4)) for k in range(14)]
     labels = [text.replace("\n", " ") for text in texts(motion_of(swing(many, walls)))]
     assert labels[0] in ("#1, 3 … 13", "#5 + 6 more")
+
+
+@pytest.mark.full("takes long")
+@pytest.mark.parametrize(("model", "width"), [("thrown_brick", 120), ("four_link_box", 84)])
+def test_only_rings_that_overlap_are_one_ring(model, width):
+    recording, page = recorded(model), page_of_width(model, width)
+    motion = panel_of(page, "motion")
+    spots = [recording.impact_position(impact) for impact in recording.impacts]
+    pixels, drawn_pixels = map(motion.transData.transform, (spots, list(rings(motion, recording))))
+    distances = np.hypot(*(pixels[:, None] - drawn_pixels).transpose(2, 0, 1)).min(axis=1)
+    assert distances.max() < RING_SIZE * page.dpi / 72.0
 
 
 def told_count(text):

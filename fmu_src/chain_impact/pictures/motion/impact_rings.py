@@ -11,9 +11,10 @@ from matplotlib.axes import Axes
 
 from chain_impact.kernel.record.constants import STICKS
 from chain_impact.pictures.drawing.labels import Label, place_labels
-from chain_impact.pictures.drawing.style import INK, PEAK_COLOUR, is_narrow
+from chain_impact.pictures.drawing.style import INK, PEAK_COLOUR
 from chain_impact.pictures.drawing.used_pixels import UsedPixels
 from chain_impact.pictures.motion.joint_forces import name_loads
+from chain_impact.pictures.motion.view import is_flat
 from chain_impact.pictures.motion.walls import wall_line
 from chain_impact.pictures.over_time.impacts import marks_of, rows_by_height
 from chain_impact.pictures.texts.headline import marked_peaks
@@ -28,9 +29,6 @@ SQUARE_SIZE = 4.0  # [points] the size of the mark where a contact, a joint or a
 # the least cosine of the angle between the direction into a wall and the way from a ring at this wall to its
 # number, which so stands beyond the wall
 LEAST_COSINE = 0.35
-# [1] distance within which impacts at the same wall or stop share a ring, relative to the view's larger side;
-# NARROW_RING_DISTANCE: in a narrow figure, whose rings would overlap
-RING_DISTANCE, NARROW_RING_DISTANCE = 0.03, 0.05
 
 
 def rows_by_speed(recording: Recording) -> np.ndarray:
@@ -188,13 +186,14 @@ def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[in
 
     An impact in ``marked_peaks`` has a ring at its own position, and is the first one of this ring. Any other
     ring has the position of its fastest impact, by ``rows_by_speed``, which is its first one. A slower impact
-    at the same wall or stop belongs to a ring if the distance from its spot to the ring's position is less
-    than RING_DISTANCE × the larger side of the view; in a narrow figure NARROW_RING_DISTANCE.
+    at the same wall or stop belongs to a ring if a ring at its own spot would overlap this ring.
     """
     figure = axes.get_figure(root=True)
-    is_small = figure is not None and is_narrow(figure)
-    share = NARROW_RING_DISTANCE if is_small else RING_DISTANCE
-    spacing = share * max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
+    assert figure is not None
+    # [points] per unit of x and y; equal scales may be set only after the rings are drawn
+    scales = axes.bbox.size * 72.0 / figure.dpi / np.ptp([axes.get_xlim(), axes.get_ylim()], axis=1)
+    if not is_flat(recording):
+        scales[:] = scales.min()
     hits_at: dict[tuple[float, float], list[int]] = {}
     walls = recording.impacts["wall"]
     peak_rows = [peak.row for peak in marked_peaks(recording)]
@@ -203,7 +202,8 @@ def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[in
         near_positions = (
             ring_position
             for ring_position, hits in hits_at.items()
-            if walls[hits[0]] == walls[row] and np.hypot(ring_position[0] - x, ring_position[1] - y) < spacing
+            if walls[hits[0]] == walls[row]
+            and np.hypot(*(scales * np.subtract(ring_position, (x, y)))) < RING_SIZE
         )
         hits_at.setdefault(next(near_positions, (x, y)), []).append(row)
     return hits_at

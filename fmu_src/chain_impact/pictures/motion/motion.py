@@ -89,7 +89,7 @@ def draw_motion(
     draw_rail(axes, recording)
     label = "at impacts" if len(rows) > 1 else f"at impact {sum(rows) + 1}"
     # if the motion is small, start and end cover the chain at the impact
-    label = "_" if (reach := small_reach(recording, view.corners)) else label
+    label = "_" if small_reach(recording, view.corners) else label
     for time in strong_times:
         look = {"color": shade(time), "linewidth": 1.6 * thickness, "markersize": 3.5} | marks
         draw_bodies(axes, recording, recording.row_at(time), shade(time), linewidth=0.8)
@@ -104,8 +104,6 @@ def draw_motion(
             draw_chain(axes, recording.points[row], **style | rim)
         draw_bodies(axes, recording, row, colour, linewidth=1.2)
         draw_chain(axes, recording.points[row], **style)
-    if reach:
-        axes.plot([], [], linestyle="", label=reach)  # the entry has only a text
     if recording.stops:
         hit = next(
             (row for row in rows_by_speed(recording).tolist() if recording.is_at_joint_stop[row]), None
@@ -214,14 +212,14 @@ def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
 def small_reach(recording: Recording, corners: np.ndarray) -> str:
     """Return words for the reach of a motion that the marks of the chain hide, else "".
 
-    For example "moves within 2 mm", in two lines. The motion is hidden if no point moves as far along x or y
-    as HIDDEN_REACH, relative to the larger side of the view with the ``corners`` [m]. A flat motion, whose
-    y is enlarged, is not.
+    For example "no point moves more than 2 mm along x or y". The motion is hidden if no point, named points
+    of bodies included, moves as far along x or y as HIDDEN_REACH, relative to the larger side of the view
+    with the ``corners`` [m]. A flat motion, whose y is enlarged, is not.
     """
-    reach = float(np.ptp(recording.points, axis=0).max())
+    reach = float(np.ptp(recording.all_points, axis=0).max())
     if is_flat(recording) or not 0.0 < reach < HIDDEN_REACH * np.ptp(corners, axis=0).max():
         return ""
-    return f"moves within\n{force_text(reach, 'm')}"
+    return f"no point moves more than {force_text(reach, 'm')} along x or y"
 
 
 def last_time_seen(path: np.ndarray, time: np.ndarray, size: float) -> float:
