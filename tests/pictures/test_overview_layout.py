@@ -99,6 +99,19 @@ def test_texts_fit_a_page_of_any_width(model, width):
 
 
 @pytest.mark.full("takes long")
+@pytest.mark.parametrize("width", [84, 190])
+def test_each_panel_over_time_has_numbers_and_each_legend_is_at_its_panel(width):
+    page = page_of_width("thrown_brick", width)
+    page.draw_without_rendering()
+    panels = {axes.get_label(): axes for axes in page.axes}
+    for name in ("energy", "impacts", "friction"):
+        assert panels[name].xaxis.get_tick_params()["labelbottom"]
+        assert panels[name].get_legend() is not None
+    entries = {text.get_text() for text in panels["motion"].get_legend().get_texts()}
+    assert {"chain between", "other points", "sticks at the end"} <= entries
+
+
+@pytest.mark.full("takes long")
 @pytest.mark.parametrize("width", [175, 185, 195])
 def test_a_motion_stands_above_panels_that_lack_room_beside_it(width):
     """The legend of the energies is wider than the room beside this motion."""

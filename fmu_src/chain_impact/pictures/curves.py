@@ -161,7 +161,7 @@ def draw_curve_figure(figure: Figure, recording: Recording, curves: Curves, titl
     grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False).ravel()
     panel_labels = draw_all(list(grid), recording, curves, panels)
     for axes in grid:
-        axes.tick_params(labelbottom=axes is grid[-1])
+        axes.tick_params(labelbottom=axes is grid[-1] or getattr(figure, "free_height", False))
         if axes is not grid[-1]:
             axes.set_xlabel("")
     figure.align_ylabels()

@@ -16,10 +16,8 @@ from chain_impact.pictures.drawing.sizes import Size
 from chain_impact.pictures.drawing.style import drawing_style, is_narrow, write_foot
 from chain_impact.pictures.drawing.used_pixels import UsedPixels
 from chain_impact.pictures.drawing.users_axes import draw_into, fit_into_figure
-from chain_impact.pictures.motion.motion import all_entries, draw_motion, few_entries, note_on_lines, small_reach
+from chain_impact.pictures.motion.motion import all_entries, draw_motion, small_reach
 from chain_impact.pictures.motion.view import GROWTH_FACTORS, is_flat, view_of
-from chain_impact.pictures.over_time.dry_friction import move_legend_to_foot
-from chain_impact.pictures.over_time.impacts import late_mark_text
 from chain_impact.pictures.over_time.time_axis import add_impact_key, add_rest_key, draw_clock, label_time
 from chain_impact.pictures.overview_layout import (
     SLIM,
@@ -59,25 +57,24 @@ def draw_overview(
     """Draw the panels named ``panels`` on an empty figure; without names, those of ``panels_to_draw``.
 
     A motion in the plane is to the left of the panels over time or, if there is no room for that
-    (``is_beside``) or if ``is_above``, above these panels. In a narrow figure, the legend of a slim motion is beside the motion,
-    unless a panel is there. If the title is "", a summary of the run is the headline; None means no headline.
+    (``is_beside``) or if ``is_above``, above these panels. In a narrow figure, the legend of a slim
+    motion is beside the motion, unless a panel is there. If the title is "", a sentence on the run is the
+    headline; None means no headline.
 
     Raises:
         ValueError: when a panel does not exist.
     """
     shown_panels = panels_to_draw(recording, panels)
-    late_text = late_mark_text(recording) if is_narrow(figure) and "impacts" in shown_panels else ""
     notes = (
         full_names(recording),
-        f"lines below marks: {late_text}" if late_text else "",
         *recording.points_through_walls,
         unreached_walls(recording) if "motion" in shown_panels else "",
         *(small_reach(recording, view_of(recording).corners) for name in shown_panels if name == "motion"),
     )
-    if any(notes):
-        write_foot(figure, SEPARATOR.join(filter(None, notes)))
     if title is not None:
-        write_head(figure, recording, title, panels=shown_panels)
+        write_head(figure, recording, title, panels=shown_panels, notes=notes)
+    elif any(notes):
+        write_foot(figure, SEPARATOR.join(filter(None, notes)))
     panel_axes = axes_of(figure, recording, shown_panels, is_above=is_above)
     motion = None if is_over_time(recording, "motion") else panel_axes.get("motion")
     time_panels = [axes for name, axes in panel_axes.items() if is_over_time(recording, name)]
@@ -90,7 +87,6 @@ def draw_overview(
     for name, axes in panel_axes.items():
         if name in shown_panels:
             PANELS[name].draw(axes, recording)
-            move_legend_to_foot(axes, figure)
         else:
             draw_clock(axes, recording)
     if time_panels and "time" not in panel_axes:
@@ -113,26 +109,21 @@ def _settle_motion(
 ) -> None:
     """Arrange a figure with the panel ``motion``, and draw the motion anew for the room of this panel.
 
-    The legend has the position and the entries that leave the motion enough room. In a narrow figure with few
-    entries, the foot of the figure explains what the legend lacks. ``ratio`` is the motion's width over its
+    The legend has the position that leaves the motion enough room. ``ratio`` is the motion's width over its
     height; ``is_alone``: whether no panel is beside the motion.
     """
-    is_small, scaled_axes, is_explained = is_narrow(figure), None if is_flat(recording) else motion, False
+    is_small, scaled_axes = is_narrow(figure), None if is_flat(recording) else motion
     is_wide_slim = not is_alone and has_legend_beside(ratio, figure.get_figwidth())
     has_own_legend = is_small or is_wide_slim
-    # the positions of the legend, with its entries; the first with enough room is taken, else the last one
-    tries: list[Any] = [(legend_above, few_entries)]
+    # the positions of the legend; the first with enough room is taken, else the last one
+    tries: list[Any] = [legend_above]
     if is_wide_slim:  # beside the motion, unless the motion is clearly higher below the legend
-        tries = [(put, all_entries) for put in (legend_beside, legend_above, legend_beside)]
+        tries = [legend_beside, legend_above, legend_beside]
     elif is_alone and is_small:
-        tries = [(legend_beside, all_entries), (legend_beside, few_entries), *tries]
+        tries = [legend_beside, *tries]
     heights = []  # of the motion with each legend
-    for put_legend, entries_of in tries:
-        legend = put_legend(motion, entries_of(motion)) if has_own_legend else None
-        if is_small and entries_of is few_entries and not is_explained:
-            is_explained = True
-            if note := note_on_lines(motion):
-                write_foot(figure, note)
+    for put_legend in tries:
+        legend = put_legend(motion, all_entries(motion)) if has_own_legend else None
         settle(figure, scaled_axes)
         room = motion.get_position(original=True).transformed(figure.transFigure)
         width = room.width - (LEGEND_ROOM * legend.get_window_extent().width if legend else 0.0)
@@ -149,7 +140,7 @@ def _settle_motion(
     band = min(NUMBER_BAND / side, MOST_BAND / max(ratio, 1.0 / ratio))
     draw_motion(motion, recording, room.height / width, band, WHOLE_WIDTH if is_alone else GROWTH_FACTORS)
     if has_own_legend:
-        put_legend(motion, entries_of(motion))
+        put_legend(motion, all_entries(motion))
     settle(figure, scaled_axes)
 
 

@@ -49,6 +49,8 @@ LOWEST = 2.4  # the least height of the panel of motion beside other panels
 ENERGY_HEIGHT = 1.15  # the height of a panel of energies
 ENERGY_IN_COLUMN = 0.75  # the same on a figure with a width of COLUMN or less
 COLUMN_FOOT = 0.45  # the height of the texts at the foot of a figure with a width of COLUMN or less
+# a figure with at least this height for each row of panels has numbers at all axes of time
+LEAST_FOR_NUMBERS = 1.3
 TEXTS = 0.45  # the height of the legend and the numbers of a panel over time
 HEADS = 1.0  # the height of the headline plus the height of the labels below all panels
 LABELS = 0.6  # the height of the legend and the labels of a motion
@@ -180,8 +182,9 @@ def axes_of(
 def _timed_axes(figure: Figure, grid: Any, names: Sequence[str]) -> dict[str, Axes]:
     """Return new axes in the last cells of a grid, in the order of ``names``: name of a panel → axes.
 
-    All axes except "impact", the axes of a single impact, share the axis of time, whose numbers stand only
-    below the lowest of successive axes. The axes "time" are made first, and the axes "impact" last.
+    All axes except "impact", the axes of a single impact, share the axis of time. Each has its numbers, or
+    only the lowest of successive axes if the figure is low (LEAST_FOR_NUMBERS). The axes "time" are made
+    first, and the axes "impact" last.
     """
     axes: dict[str, Axes] = {}
     for name in sorted(names, key=lambda name: (name != "time", name == "impact")):
@@ -192,7 +195,9 @@ def _timed_axes(figure: Figure, grid: Any, names: Sequence[str]) -> dict[str, Ax
             else next((axes[other_name] for other_name in axes if other_name != "impact"), None)
         )
         axes[name] = figure.add_subplot(cell, sharex=shared_axes, label=name)
-    for name, lower_name in pairwise(names):
+    is_high = figure.get_figheight() >= LEAST_FOR_NUMBERS * grid.nrows
+    has_numbers = is_high or getattr(figure, "free_height", False)
+    for name, lower_name in () if has_numbers else pairwise(names):
         if "impact" not in (name, lower_name) and lower_name != "time":
             axes[name].tick_params(labelbottom=False)
     return axes

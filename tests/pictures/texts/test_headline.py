@@ -13,8 +13,10 @@ from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.style import INK, LOAD, PEAK_COLOUR
 from chain_impact.pictures.texts.conditions import conditions
 from chain_impact.pictures.texts.headline import (
+    energy_texts,
     has_contact,
     headline,
+    impact_count_text,
     load_text,
     marked_peaks,
     peaks,
@@ -44,10 +46,18 @@ def test_the_numbers_are_those_of_the_recording(model):
 def test_the_headline_omits_energy_that_is_not_lost_or_not_known():
     recording = swing()
     recording.columns["energy.dissipated"] = np.zeros(50)
-    assert headline(recording) == "Swing: no impacts in 2 s"
+    assert energy_texts(recording) == []
     recording = swing()
     del recording.columns["energy.dissipated"]
-    assert headline(recording) == "Swing: no impacts in 2 s"
+    assert energy_texts(recording) == []
+
+
+def test_the_headline_is_a_sentence():
+    assert headline(swing()) == "Swing: nothing is hit in 2 s"
+    hits = [impact_row(time, 1, "y_max", 1.0) for time in (0.5, 1.0)]
+    assert headline(swing(hits[:1], {"y_max": 1.0})) == "Swing: 1 impact happens in 2 s"
+    assert headline(swing(hits, {"y_max": 1.0})) == "Swing: 2 impacts happen in 2 s"
+    assert headline(recorded("pinned_arm")) == "PinnedArm: the peak force is 1.02 kN"
 
 
 def test_the_conditions_are_the_parameters_of_the_run():
@@ -102,7 +112,7 @@ def test_a_narrow_picture_has_the_peak_as_its_headline(panel, colour):
     """The line on the impact has the colour of its mark, if the picture has the mark."""
     recording = recorded("pinned_arm")
     page = recording.plot(size=(84 / 25.4, None), panels=panel)
-    assert page.get_suptitle() == "PinnedArm: peak force 1.02 kN"
+    assert page.get_suptitle() == "PinnedArm: the peak force is 1.02 kN"
     impact = recording.impacts[0]
     place = f"impact 1: point 2 hits x_max at {impact['onset']:.4g} s"
     words = f"{place} with {impact['impact_speed']:.3g} m/s"
@@ -234,7 +244,7 @@ def test_stops_have_their_restitution_and_a_law_of_their_own(law, part):
 
 
 @pytest.mark.parametrize(
-    ("loss", "text"), [(0.5, ", 0.5 J dissipated"), (3.21e-5, ", 3.21e-05 J dissipated"), (1e-14, "")]
+    ("loss", "text"), [(0.5, ["0.5 J dissipated"]), (3.21e-5, ["3.21e-05 J dissipated"]), (1e-14, [])]
 )
 def test_a_small_loss_is_told_and_round_off_is_not(loss, text):
     recording = swing([impact_row(1.0, 1, "y_max", 1.0)], {"y_max": 1.0})
@@ -274,8 +284,9 @@ def test_the_largest_force_in_a_joint_lacks_the_impulses_of_rigid_impacts():
 def test_without_impacts_the_headline_tells_joint_force_and_oscillation():
     recording = recorded("shaken_pendulum")
     title = recording.plot().get_suptitle().replace("\n", " ")
-    assert title.startswith("ShakenPendulum: no impacts in 3 s, ")  # no panel shows the force
-    assert "joint 1 bears up to 128 N in the run, at 1.4937 s" in recording.plot().texts[1].get_text()
+    assert title == "ShakenPendulum: nothing is hit in 3 s"  # no panel shows the force
+    foot = " ".join(text.get_text() for text in recording.plot().texts).replace("\n", " ")
+    assert "joint 1 bears up to 128 N in the run, at 1.4937 s" in foot
     supplied = recording.columns["energy.supplied"]
     low, high = (f"{end(supplied):.2g}".replace("-", "−") for end in (np.min, np.max))
-    assert title.endswith(f"supplied energy oscillates between {low} and {high} J")
+    assert f"supplied energy oscillates between {low} and {high} J" in foot

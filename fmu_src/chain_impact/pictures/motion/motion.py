@@ -52,13 +52,6 @@ HIDDEN_REACH = 0.02  # see ``small_reach``
 MOST_CLEAR_PATHS = 6
 PATH_OPACITY = 0.45  # the opacity of the path of a point, from 0 to 1
 BALL_LINE = 0.3  # the width of the line of a ball's link, relative to the line of a link that is no ball
-# label of lines or marks that a narrow picture explains at its foot, where the legend lacks room → their look
-FOOT_LOOKS = {
-    "chain between": "pale lines",
-    "other points": "thin lines",
-    "stops": "short lines",
-    "sticks at the end": "squares",
-}
 SHORT_LENGTH = 0.1  # [m] if all |y| on the axis of a flat motion are smaller, their unit has a prefix
 
 
@@ -147,18 +140,6 @@ def all_entries(axes: Axes) -> list[Any]:
         ]
         kept_handles = [handle for handle in kept_handles if handle not in rings[:1]]
     return kept_handles
-
-
-def few_entries(axes: Axes) -> list[Any]:
-    """Return the artists of ``all_entries`` except the lines that ``note_on_lines`` explains."""
-    labelled = {str(handle.get_label()): handle for handle in all_entries(axes)}
-    return [handle for label, handle in labelled.items() if label.partition(" (")[0] not in FOOT_LOOKS]
-
-
-def note_on_lines(axes: Axes) -> str:
-    """Return a text for the foot of a figure that explains the lines whose labels are in FOOT_LOOKS."""
-    labels = {(label := str(handle.get_label())).partition(" (")[0]: label for handle in all_entries(axes)}
-    return ", ".join(f"{look}: {labels[name]}" for name, look in FOOT_LOOKS.items() if name in labels)
 
 
 def colour_of_time(recording: Recording) -> Any:

@@ -6,21 +6,18 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from chain_impact.kernel.record.constants import STICKS
 from chain_impact.pictures.drawing.legends import legend_above
-from chain_impact.pictures.drawing.style import GREY, INK, is_narrow, write_foot
+from chain_impact.pictures.drawing.style import GREY, INK, is_narrow
 from chain_impact.pictures.over_time.rests import shade_rests, shown_time
 from chain_impact.pictures.texts.point_names import POINT, number_of, shortened_name
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import element_label
 
-ROWS = "row: point, wall"  # the entry of a legend that explains the names of rows
-# first word of an entry of the legend → look of its bars, as the foot of a narrow picture tells it
-PHASE_LOOKS = {"sticks": "dark bars: ", "slides": "grey bars: "}
+ROWS = "names: point, wall"  # the entry of a legend that explains the names of rows
 PHASE_HEIGHT = 0.4  # the height of a bar that shows sticking, relative to the distance of two rows
 MOST_ROWS = 8  # at most so many contacts, joints and sliders together have phases of dry friction drawn
 # sliding that lasts at most this part of the run's duration is too short to be explained in a legend
@@ -65,15 +62,6 @@ def draw_stick_slip(axes: Axes, recording: Recording) -> None:
         handles.append(Line2D([], [], linestyle="", label=ROWS))
     legend_above(axes, handles)
     shade_rests(axes, shown_time(recording))
-
-
-def move_legend_to_foot(axes: Axes, figure: Figure) -> None:
-    """Replace a legend that explains the names of rows by a text at the figure's foot, if there is room."""
-    legend = axes.get_legend()
-    entries = [text.get_text() for text in legend.get_texts()] if legend else []
-    looks = [PHASE_LOOKS.get(entry.split()[0], "") + entry for entry in entries]
-    if legend and ROWS in entries and write_foot(figure, ", ".join(looks)):
-        legend.remove()
 
 
 def row_name(location: str, *, has_wall: bool, is_brief: bool) -> str:

@@ -139,7 +139,7 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
         handles, _ = axes.get_legend_handles_labels()
         if lanes:
             handles.append(Line2D([], [], color=GREY, linewidth=CONTACT, label="in contact"))
-        if (mark_text := late_mark_text(recording)) and not is_narrow(figure):
+        if mark_text := late_mark_text(recording):
             stem: dict[str, Any] = {"color": INK, "marker": "|", "markersize": STEM_KEY}
             handles.append(Line2D([], [], linestyle="", markeredgewidth=STEM, label=mark_text, **stem))
         legend_above(axes, handles)
@@ -174,10 +174,7 @@ def are_told(figure: Figure, recording: Recording, rows: np.ndarray) -> bool:
 
 
 def late_mark_text(recording: Recording) -> str:
-    """Return words for the times at which marks stand; "" if they all stand at the onsets.
-
-    The words are in the legend or, in a narrow figure, whose legend lacks room, at the foot of the figure.
-    """
+    """Return words for the times at which marks stand; "" if they all stand at the onsets."""
     is_late = impacts_at_peaks(recording)["onset"] > recording.impacts["onset"]
     name, *_ = shown_values(recording, is_stop=bool(recording.is_at_joint_stop[is_late].all()))
     return f"impact, at its {name}" if is_late.any() else ""

@@ -9,12 +9,14 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from chain_impact.pictures.drawing.distinct_curves import turning_rows
+from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.style import (
     INK,
     LOAD,
     PEAK_COLOUR,
     force_text,
     is_narrow,
+    write_foot,
     write_headline,
 )
 from chain_impact.pictures.texts.conditions import conditions
@@ -70,6 +72,11 @@ class Peak(NamedTuple):
     equal_count: int = 1
 
     @property
+    def sentence(self) -> str:
+        """A sentence with the value: "the peak force is 12.6 kN", "there are 30 equal impulses of 1 N·s"."""
+        return f"the {self.name} is {self.value}" if self.equal_count == 1 else f"there are {self.text}"
+
+    @property
     def text(self) -> str:
         """The quantity and its value: "peak force 12.6 kN", "30 equal impulses of 0.981 N·s"."""
         if self.equal_count == 1:
@@ -78,18 +85,24 @@ class Peak(NamedTuple):
         return f"{self.equal_count} equal {' at '.join([f'{quantity}s', *location])} of {self.value}"
 
 
-def headline(recording: Recording, first: str | None = None, *, short: bool = False) -> str:
-    """Return the headline: name, ``first``, number of impacts, lost and supplied energy.
+def headline(recording: Recording, first: str | None = None) -> str:
+    """Return the headline, a name and a sentence: "Box: the peak force is 12.6 kN".
 
-    For example "Box: peak force 12.6 kN, 14 impacts in 2 s, 50.3 J dissipated". By default ``first`` is the
-    first entry of ``peaks``. If ``short``, the headline has only the name and ``first`` or, if ``first`` is
-    empty, the number of impacts.
+    The sentence is ``first``; by default that of the first entry of ``peaks``. If it is empty, the headline
+    tells the number of impacts.
     """
     if first is None:
-        first = next((peak.text for peak in peaks(recording)), "")
-    parts = [*filter(None, [first]), impact_count_text(recording)]
-    parts = parts[:1] if short else [*parts, *energy_texts(recording)]
-    return f"{recording.name}: {', '.join(filter(None, parts))}"
+        first = next((peak.sentence for peak in peaks(recording)), "")
+    return f"{recording.name}: {first or event_sentence(recording)}"
+
+
+def event_sentence(recording: Recording) -> str:
+    """Return a sentence on the number of impacts: "14 impacts happen in 2 s", "nothing is hit in 2 s"."""
+    if not has_contact(recording):
+        return impact_count_text(recording).replace("no impacts", "nothing is hit")
+    count = recording.impact_count
+    verb = "happens" if count == 1 else "happen"
+    return impact_count_text(recording).replace(" in ", f" {verb} in ")
 
 
 def impact_count_text(recording: Recording) -> str:
@@ -135,8 +148,9 @@ def write_head(
     told_peaks: Sequence[Peak] | None = None,
     lead: str | None = None,
     panels: Sequence[str] = (),
+    notes: Sequence[str] = (),
 ) -> None:
-    """Write the headline of a recording's picture and, below it, results and conditions of the run.
+    """Write the headline of a recording's picture and lines below it; conditions and ``notes`` at the foot.
 
     The headline is ``title`` or, if ``title`` is "", the result of ``headline`` with the words ``lead``. By
     default, these are the words of the first told impact. If they are "" and ``told_peaks`` is not given,
@@ -146,30 +160,34 @@ def write_head(
     largest force in a joint (``load_text``) or, if ``told_peaks`` is given, only the impacts in
     ``told_peaks``. ``panels``: the names of the panels of an overview.
 
-    Without a ``title``, the first of the told impacts has a line of its own below the message if the figure
-    is narrow or a panel marks the impact. In a narrow figure without a ``title``, the message is short, and
-    the rest of the message stands among the conditions. In any narrow figure, the largest force in a joint
-    has a line of its own. A line has the colour of the mark if a panel has a mark.
+    Without a ``title``, the first of the told impacts has a line of its own below the headline if the figure
+    is narrow or a panel marks the impact. So has the largest force in a joint if the figure is narrow or the
+    panel of the motion shows it. A line has the colour of the mark if a panel has a mark. All other results
+    stand before the conditions. Without room for all texts at the foot, only ``notes`` are there.
     """
     short, load = is_narrow(figure), load_text(recording) if told_peaks is None else ""
     told_peaks = peaks(recording) if told_peaks is None else told_peaks
-    lead = next((peak.text for peak in told_peaks), "") if lead is None else lead
+    lead = next((peak.sentence for peak in told_peaks), "") if lead is None else lead
     if not (lead or title or told_peaks) and load and "motion" in panels and recording.joint_forces:
         lead, load = load_text(recording, digits=3).replace(" in the run, ", " "), ""
-    valued = [bool(title) or lead != peak.text for peak in told_peaks]
+    valued = [bool(title) or lead != peak.sentence for peak in told_peaks]
     hits = [peak_impact_text(recording, *pair) for pair in zip(told_peaks, valued, strict=True)]
     lines: list[tuple[str, str]] = []
     is_marked = bool(told_peaks) and told_peaks[0].equal_count == 1 and not {*panels}.isdisjoint(MARKING)
     if told_peaks and not title and (short or is_marked):
         first_text = hits.pop(0).removeprefix(f"{told_peaks[0].name} in ")  # the title tells the peak
         lines.append((first_text, PEAK_COLOUR if is_marked else INK))
-    if short and load:
-        lines.append((load, LOAD if "motion" in panels and recording.joint_forces else INK))
-    results = [*first, *hits, "" if short else load]
-    if short and not title:
+    is_load_shown = "motion" in panels and bool(recording.joint_forces)
+    if load and (short or is_load_shown):
+        lines.append((load, LOAD if is_load_shown else INK))
+        load = ""
+    results = [*first, *hits, load]
+    if not title:
         results += [*([impact_count_text(recording)] if lead else []), *energy_texts(recording)]
     condition_texts = conditions(recording, *results, touches=has_contact(recording), short=short)
-    write_headline(figure, title or headline(recording, lead, short=short), condition_texts, *lines)
+    write_headline(figure, title or headline(recording, lead), "", *lines)
+    if not write_foot(figure, SEPARATOR.join(filter(None, [condition_texts, *notes]))) and any(notes):
+        write_foot(figure, SEPARATOR.join(filter(None, notes)))
 
 
 def peaks(recording: Recording) -> list[Peak]:
