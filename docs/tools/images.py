@@ -13,9 +13,11 @@ import sys
 import tempfile
 from pathlib import Path
 
+import numpy as np
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
+from chain_impact.pictures.drawing.style import TIME_COLOURS
 from chain_impact.scene.files.models import model_names
 from docs.tools import DOCS
 
@@ -54,6 +56,8 @@ OF_PAGES = {
 """Page → picture that its commands draw → name of the image."""
 BLOCK = re.compile(r'^```(\w+)(?: title="([^"]*)")?\n(.*?)^```$', re.M | re.S)
 COLOURS = 256  # the number of colours of an image, which keeps its file small
+TIMES = 96  # the number of these colours for times, if an image shows times by colours
+LEAST_TIMES = 48  # an image with at least so many of the TIMES colours shows times by colours
 
 
 def main(parts: list[str]) -> None:
@@ -105,12 +109,24 @@ def draw_page(page: str) -> None:
 
 
 def shrink(image: Path) -> None:
-    """Write an image file again with COLOURS colours; the texts in the file stay."""
+    """Write an image file again with COLOURS colours; the texts in the file stay.
+
+    If the image shows times by colours, TIMES of its colours are fixed: a bar of times has no visible steps.
+    """
     with Image.open(image) as picture:
         words = PngInfo()
         for key, text in getattr(picture, "text", {}).items():
             words.add_itxt(key, text)
-        reduced = picture.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+        whole = picture.convert("RGB")
+    reduced = whole.quantize(COLOURS, dither=Image.Dither.NONE)
+    shades = (255.0 * TIME_COLOURS(np.linspace(0.0, 1.0, TIMES))[:, :3]).round().astype(int)
+    used_colours = np.unique(np.asarray(whole).reshape(-1, 3), axis=0).astype(int)
+    is_shade = [(np.abs(used_colours - shade).max(axis=1) <= 1).any() for shade in shades]
+    if np.count_nonzero(is_shade) >= LEAST_TIMES:
+        others = whole.quantize(COLOURS - TIMES, dither=Image.Dither.NONE).getpalette() or []
+        palette = Image.new("P", (1, 1))
+        palette.putpalette([*shades.ravel().tolist(), *others[: 3 * (COLOURS - TIMES)]])
+        reduced = whole.quantize(palette=palette, dither=Image.Dither.NONE)
     reduced.save(image, optimize=True, pnginfo=words)
 
 

@@ -126,14 +126,16 @@ def test_long_names_of_points_are_short_in_panels_and_whole_at_the_foot():
     )
     page, *_, speeds = page_of(recording)
     assert speeds.get_legend().get_texts()[0].get_text() == "point 1 (left_fr…_sphere)"
-    assert f"point 1: {name}" in [text.get_text() for text in page.texts]
+    foot = " ".join(text.get_text() for text in page.texts).replace("\n", " ")
+    assert foot.endswith(f"point 1: {name}")
 
 
 def test_the_headline_has_the_message_and_the_conditions():
     page, *_ = page_of(recorded("four_link_box"))
     message, impact, conditions = (text.get_text() for text in page.texts)
     assert impact.startswith("impact 1: point 2 hits y_min at 0.4994 s")
-    assert message.startswith("FourLinkBox: peak force 19.1 kN, 14 impacts in 2 s, ")
+    assert message == "FourLinkBox: the peak force is 19.1 kN"
+    assert "14 impacts in 2 s" in conditions
     assert "zhang_sharf" in conditions
 
 

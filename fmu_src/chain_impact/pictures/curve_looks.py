@@ -20,13 +20,14 @@ def looks_of(names: Sequence[str], body_indices: dict[str, int]) -> list[int]:
     belongs to the ``body_of`` the output: ``body_indices`` has body → index. A body keeps its index from
     earlier panels. If all bodies of a panel are of one kind, such as links, a new body has the index of an
     earlier body with the same number, such as the point at its end. Any other new body gets an index that is
-    free in this panel. Of several outputs of one body, such as contacts of a point with two walls, each later
-    one has a colour that no body has or, if none is left, other dashes. New bodies and these later owners are
-    added to ``body_indices``.
+    free in this panel. Several outputs of one owner with a number, such as the components of a joint's force,
+    have the colour of this owner and different dashes. Of several owners of one body, such as contacts of a
+    point with two walls, each later one has a colour that no body has or, if none is left, other dashes. New
+    bodies and these later owners are added to ``body_indices``.
 
-    In four cases the outputs are numbered in their order, from 0, and ``body_indices`` does not change: two
-    outputs of the panel have the same owner; two bodies in the panel have the same index from earlier panels;
-    an index from earlier panels is not below the number of colours; or there are too few dashes.
+    In three cases the outputs are numbered in their order, from 0, and ``body_indices`` does not change: two
+    outputs have the same owner without a number; two outputs would have the same look; or there are too few
+    dashes.
     """
     owners = [owner_of(name) for name in names]
     bodies = [body_of(owner) for owner in owners]
@@ -46,17 +47,23 @@ def looks_of(names: Sequence[str], body_indices: dict[str, int]) -> list[int]:
         body: k if k >= 0 else next(free_indices)
         for body, k in zip(bodies_once, present_indices, strict=True)
     }
-    looks, look_counts = [], Counter[str]()
+    looks, look_counts, owner_looks = [], Counter[str](), dict[str, int]()
     used_colours = {*body_indices.values(), *new_indices.values()}
     free_colours = (number for number in range(len(PALETTE)) if number not in used_colours)
     for body, owner in zip(bodies, owners, strict=True):
+        if owner in owner_looks and "[" in owner:
+            owner_looks[owner] += len(PALETTE)
+            looks.append(owner_looks[owner])
+            continue
         look = body_indices.get(owner, new_indices[body] + len(PALETTE) * look_counts[body])
         if look_counts[body] and owner not in body_indices:
             look = new_indices[owner] = next(free_colours, look)
         looks.append(look)
+        owner_looks[owner] = look
         look_counts[body] += 1
-    is_unclear = len({*owners}) < len(owners) or len({*looks}) < len(looks)
-    if is_unclear or max(present_indices) >= len(PALETTE) or max(looks) >= len(PALETTE) * len(DASHES):
+    unnumbered_owners = [owner for owner in owners if "[" not in owner]
+    is_unclear = len({*looks}) < len(looks) or len({*unnumbered_owners}) < len(unnumbered_owners)
+    if is_unclear or max(looks) >= len(PALETTE) * len(DASHES):
         return list(range(len(names)))
     body_indices |= new_indices
     return looks

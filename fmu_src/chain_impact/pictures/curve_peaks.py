@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,8 @@ MARKED_UNITS = {"N": "force", "N.m": "moment", "N.s": "impulse"}
 # a number stands at the inner side of its curve if another curve is nearer at the outer side, and nearer than
 # this, relative to the range of all curves in the panel
 LABEL_DISTANCE = 0.15
+# the largest value of a curve is that of an impact if the two differ by at most this, relative to the second
+SAME_VALUE = 0.01
 
 
 def drawn_peaks(recording: Recording, curves: Curves) -> list[Peak]:
@@ -36,8 +39,19 @@ def drawn_peaks(recording: Recording, curves: Curves) -> list[Peak]:
     return labels
 
 
+def peaks_of_contacts(recording: Recording) -> dict[str, list[float]]:
+    """Return output → the peaks of all its impacts [N], [N·m], for normal forces and moments of stops."""
+    found_peaks: dict[str, list[float]] = {}
+    for impact in recording.impacts:
+        point, wall = impact["point"], recording.wall_names[impact["wall"]]
+        is_stop = recording.is_joint_stop(impact["wall"])
+        name = f"joint[{point}].stop_moment" if is_stop else f"contact[{point}].{wall}.force"
+        found_peaks.setdefault(name, []).append(float(impact["peak_force"]))
+    return found_peaks
+
+
 def largest_drawn(curves: Curves) -> str:
-    """Return words for the largest |value| of all curves of forces: "contact[4].y_min.force up to 7.48 kN".
+    """Return words for the largest |value| of all curves of forces: "contact[4].y_min.force reaches 7.48 kN".
 
     The result is "" without a ``largest_force``.
     """
@@ -45,7 +59,7 @@ def largest_drawn(curves: Curves) -> str:
     if not name:
         return ""
     unit = next(curves.units[output] for output in curves.values if output.startswith(name.strip("|")))
-    return f"{name} up to {force_text(float(size[largest_row(size)]), unit_text(unit))}"
+    return f"{name} reaches {force_text(float(size[largest_row(size)]), unit_text(unit))}"
 
 
 def largest_force(curves: Curves) -> tuple[str, np.ndarray]:
@@ -69,7 +83,11 @@ def largest_force(curves: Curves) -> tuple[str, np.ndarray]:
 
 
 def extremes(
-    time: np.ndarray, lines: Sequence[tuple[np.ndarray, dict[str, Any]]], unit: str, scale: float
+    time: np.ndarray,
+    lines: Sequence[tuple[np.ndarray, dict[str, Any]]],
+    unit: str,
+    scale: float,
+    known_peaks: Mapping[str, Sequence[float]] = MappingProxyType({}),
 ) -> list[Label]:
     """Return a label for each curve of a force, moment or impulse, at its value farthest from 0.
 
@@ -83,6 +101,8 @@ def extremes(
         lines: for each curve its values in ``unit``, shape (T,), and its properties with matplotlib's names.
         unit: the unit of all values.
         scale: the factor from values to the numbers of the axis.
+        known_peaks: label of a curve → the peaks of impacts [``unit``]; a peak replaces the curve's largest
+            value if it is the same but for the distance of rows (SAME_VALUE).
     """
     sized_labels = []
     label_distance = LABEL_DISTANCE * float(np.ptp(_finite_values(lines)))
@@ -97,7 +117,13 @@ def extremes(
             inner_distance = float(-ways[ways < 0.0].max(initial=-math.inf))
             if outer < min(label_distance, inner_distance):
                 outwards = -outwards
-            text = f"{'−' * (value < 0.0)}{force_text(abs(value), unit_text(unit))}"
+            same_peaks = (
+                peak
+                for peak in known_peaks.get(style.get("label", ""), ())
+                if abs(peak - abs(value)) <= SAME_VALUE * peak
+            )
+            size = next(same_peaks, abs(value))
+            text = f"{'−' * (value < 0.0)}{force_text(size, unit_text(unit))}"
             look, position = {"color": style["color"]}, (float(time[row]), scale * value)
             sized_labels.append(
                 (abs(value), Label(text, position, (0.0, outwards), look=look, is_on_side=True))

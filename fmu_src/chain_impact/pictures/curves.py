@@ -23,6 +23,7 @@ from chain_impact.pictures.curve_peaks import (
     largest_force,
     largest_row,
     largest_vectors,
+    peaks_of_contacts,
 )
 from chain_impact.pictures.curve_texts import (
     axis_unit,
@@ -35,6 +36,7 @@ from chain_impact.pictures.drawing.distinct_curves import dash_lines, plot_curve
 from chain_impact.pictures.drawing.figures import PANEL_HEIGHT, settle
 from chain_impact.pictures.drawing.labels import Label, place_labels
 from chain_impact.pictures.drawing.legends import legend_above
+from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.style import (
     FULL_WIDTH,
     PALETTE,
@@ -136,6 +138,13 @@ def draw_curve_figure(figure: Figure, recording: Recording, curves: Curves, titl
     """
     check_curves(curves)
     panels = clear_panels(curves)
+    zero_names = always_zero(curves, panels)
+    notes = ["Δ: change since the onset"] * any(values_at_onset(curves, names) for names in panels)
+    notes += [f"0 in the whole view: {names_text(zero_names, MOST_NAMED)}"] if zero_names else []
+    if lacks_impulses(recording, curves):
+        notes.append(NO_FORCE)
+    if long_contact := long_contact_text(recording, curves):
+        notes.append(long_contact)
     if title is not None:
         impact_text = shown_impact_text(recording, curves)
         summary_text = f"{recording.name}: {impact_text}" if impact_text else ""
@@ -148,16 +157,11 @@ def draw_curve_figure(figure: Figure, recording: Recording, curves: Curves, titl
             largest_vectors(curves),
         )
         lead = (None if told_peaks else force) if is_one else ""
-        write_head(figure, recording, title or summary_text, *texts, told_peaks=told_peaks, lead=lead)
-    zero_names = always_zero(curves, panels)
-    notes = ["Δ: change since the onset"] * any(values_at_onset(curves, names) for names in panels)
-    notes += [f"0 in the whole view: {names_text(zero_names, MOST_NAMED)}"] if zero_names else []
-    if lacks_impulses(recording, curves):
-        notes.append(NO_FORCE)
-    if long_contact := long_contact_text(recording, curves):
-        notes.append(long_contact)
-    if notes:
-        write_foot(figure, "; ".join(notes))
+        write_head(
+            figure, recording, title or summary_text, *texts, told_peaks=told_peaks, lead=lead, notes=notes
+        )
+    elif notes:
+        write_foot(figure, SEPARATOR.join(notes))
     grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False).ravel()
     panel_labels = draw_all(list(grid), recording, curves, panels)
     for axes in grid:
@@ -271,6 +275,7 @@ def draw_all(
         ends = np.array([time_span.start, time_span.end])
     keys = impact_handles(grid[0], recording, *(start + ends / factor))
     body_indices: dict[str, int] = {}
+    known_peaks = peaks_of_contacts(recording)
     labels: list[list[Label]] = []
     is_shown = (time >= ends[0]) & (time <= ends[1])
     for axes, names in zip(grid, (drawn_in(curves, names) for names in panels), strict=True):
@@ -309,7 +314,7 @@ def draw_all(
         # where the amount of a force has a curve, its largest value is told, and not those of the components
         parts = (line for name, line in lines.items() if name.partition(".force.")[0] not in sizes)
         visible_curves = [(values[is_shown], look) for values, look in (*sizes.values(), *parts)]
-        labels.append(extremes(time[is_shown], visible_curves, stored_unit, scale))
+        labels.append(extremes(time[is_shown], visible_curves, stored_unit, scale, known_peaks))
         axis_text = f"{'Δ ' if starts else ''}{quantity_text(names, stored_unit)}"
         axes.set_ylabel(f"{axis_text}{bracketed_unit(unit)}".lstrip())
         if curves.onset is None:

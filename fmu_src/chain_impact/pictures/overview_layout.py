@@ -40,6 +40,8 @@ WIDE_HEIGHT, NARROW_HEIGHT = 0.46, 0.55
 # of the panel of motion above other panels, on a figure with a width of COLUMN or less. Both are relative to
 # the height of the panel of energies.
 CLOCK_SHARE, MOTION_ABOVE_HEIGHT = 0.06, 2.8
+# on such a figure, the panel of a motion that is slimmer than SLIM is higher, at most by this factor
+UPRIGHT_GROWTH = 1.5
 ROWS_IN_COLUMN = 1.6  # see ``heights_of``
 # the largest height of the panel of motion, relative to the width of the figure, if the user gives no height
 HIGHEST = 0.4  # from TWO_COLUMN_WIDTH on
@@ -206,7 +208,7 @@ def _timed_axes(figure: Figure, grid: Any, names: Sequence[str]) -> dict[str, Ax
 def _height_above(ratio: float, width: float) -> float:
     """Return the height of the panel of motion above other panels, relative to the panel of energies."""
     if width <= COLUMN:
-        return MOTION_ABOVE_HEIGHT * min(1.0, BROADEST_HIGH / ratio)
+        return MOTION_ABOVE_HEIGHT * min(UPRIGHT_GROWTH, max(1.0, SLIM / ratio), BROADEST_HIGH / ratio)
     return _whole_height(ratio, width) / ENERGY_HEIGHT
 
 

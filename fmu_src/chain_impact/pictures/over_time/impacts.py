@@ -192,7 +192,14 @@ def draw_contacts(axes: Axes, spans: np.ndarray, lane: int, name: str, colour: s
     shift_below = ScaledTranslation(0.0, -depth / 72.0, figure.dpi_scale_trans)
     look: dict[str, Any] = {"color": colour, "linewidth": CONTACT, "alpha": 0.5, "zorder": 1.0}
     look["transform"] = axes.get_xaxis_transform() + shift_below
-    lines = axes.hlines(np.zeros(spans.shape[1]), *spans, **look)
+    # contacts with two walls at a time are one line, which is not darker there
+    joined_spans: list[list[float]] = []
+    for start, end in sorted(spans.T.tolist()):
+        if joined_spans and start <= joined_spans[-1][1]:
+            joined_spans[-1][1] = max(end, joined_spans[-1][1])
+        else:
+            joined_spans.append([start, end])
+    lines = axes.hlines(np.zeros(len(joined_spans)), *np.transpose(joined_spans), **look)
     # the lines are below the axes; they are cut off only at the left and right edge of the axes
     lines.set_clip_path(Rectangle((0.0, -1.0), 1.0, 2.0, transform=axes.transAxes))
     lines.set_in_layout(False)
