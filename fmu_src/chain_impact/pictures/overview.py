@@ -38,7 +38,7 @@ LEGEND_ROOM = 1.1  # the room for a legend beside the motion, relative to the wi
 LEAST_MOTION = 0.55
 # a legend stands beside a slim motion in a wide figure if the motion is then at least this much as high as
 # below a legend
-HIGH_MOTION = 0.95
+HIGH_MOTION = 0.85
 # the largest factors (``view_of``) with which the view grows if the motion has the whole width of the figure
 WHOLE_WIDTH = (1.25, GROWTH_FACTORS[1])
 NUMBER_BAND = 30.0  # [points] how far a picture shows the area beyond a wall, with numbers of impacts

@@ -191,7 +191,7 @@ def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[in
     figure = axes.get_figure(root=True)
     assert figure is not None
     # [points] per unit of x and y; equal scales may be set only after the rings are drawn
-    scales = axes.bbox.size * 72.0 / figure.dpi / np.ptp([axes.get_xlim(), axes.get_ylim()], axis=1)
+    scales = np.array(axes.bbox.size) * 72.0 / figure.dpi / np.ptp([axes.get_xlim(), axes.get_ylim()], axis=1)
     if not is_flat(recording):
         scales[:] = scales.min()
     hits_at: dict[tuple[float, float], list[int]] = {}
