@@ -117,16 +117,16 @@ def shrink(image: Path) -> None:
         words = PngInfo()
         for key, text in getattr(picture, "text", {}).items():
             words.add_itxt(key, text)
-        whole = picture.convert("RGB")
-    reduced = whole.quantize(COLOURS, dither=Image.Dither.NONE)
+        whole_picture = picture.convert("RGB")
+    reduced = whole_picture.quantize(COLOURS, dither=Image.Dither.NONE)
     shades = (255.0 * TIME_COLOURS(np.linspace(0.0, 1.0, TIMES))[:, :3]).round().astype(int)
-    used_colours = np.unique(np.asarray(whole).reshape(-1, 3), axis=0).astype(int)
+    used_colours = np.unique(np.asarray(whole_picture).reshape(-1, 3), axis=0).astype(int)
     is_shade = [(np.abs(used_colours - shade).max(axis=1) <= 1).any() for shade in shades]
     if np.count_nonzero(is_shade) >= LEAST_TIMES:
-        others = whole.quantize(COLOURS - TIMES, dither=Image.Dither.NONE).getpalette() or []
+        other_colours = whole_picture.quantize(COLOURS - TIMES, dither=Image.Dither.NONE).getpalette() or []
         palette = Image.new("P", (1, 1))
-        palette.putpalette([*shades.ravel().tolist(), *others[: 3 * (COLOURS - TIMES)]])
-        reduced = whole.quantize(palette=palette, dither=Image.Dither.NONE)
+        palette.putpalette([*shades.ravel().tolist(), *other_colours[: 3 * (COLOURS - TIMES)]])
+        reduced = whole_picture.quantize(palette=palette, dither=Image.Dither.NONE)
     reduced.save(image, optimize=True, pnginfo=words)
 
 
