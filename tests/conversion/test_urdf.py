@@ -190,6 +190,29 @@ def test_ends_of_a_link_touch_in_place_of_its_mesh(tmp_path):
     assert any("a: outlines of shapes (mesh) are not known: the two ends" in text for text in result.differs)
 
 
+def test_a_link_without_shapes_beside_links_with_shapes_is_told_first(tmp_path):
+    heel = SHAPE.format(name="heel", geometry='<sphere radius="0.02"/>', xyz=".2 0 0", rpy="0 0 0")
+    sole = link("sole").replace("</link>", f"{heel}</link>")
+    joints = joint("a", "base", "bare"), joint("b", "bare", "sole", ".3 0 0")
+    scene, result = read(tmp_path, urdf(link("bare"), sole, *joints))
+    assert scene.contact.points == ()
+    assert result.warnings == [
+        "link of joint a: touches nothing, as no shape there can touch; contact.points can add its ends"
+    ]
+    # without any shape, all ends touch
+    scene, result = read(tmp_path, urdf(link("bare"), link("sole"), *joints))
+    assert scene.contact.points == (1, 2)
+    assert not result.warnings
+
+
+@pytest.mark.parametrize("kind", ["floating", "planar"])
+def test_a_free_base_of_urdf_is_refused_with_the_joints_to_write(tmp_path, kind):
+    root = joint("root", "base", "u").replace("revolute", kind).replace("continuous", kind)
+    message = refused(tmp_path, urdf(link("u"), root))
+    assert f"joint root is of the kind {kind}: a scene has hinges and slides only; for a" in message
+    assert "two slides at right angles and a hinge" in message
+
+
 @pytest.mark.parametrize(
     ("extension", "title"),
     [

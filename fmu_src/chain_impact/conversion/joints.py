@@ -13,6 +13,11 @@ import numpy as np
 from chain_impact.conversion.robot import Joint, Robot
 from chain_impact.scene.errors import SceneError, UnknownNameError
 
+# Joint.kind → advice for a kind that no scene has
+SUBSTITUTES = dict.fromkeys(
+    ("floating", "planar", "free"),
+    "; for a base that is free in the plane, write two slides at right angles and a hinge in its place",
+)
 # [rad] axes count as parallel up to this angle between the lines along them
 PARALLEL_ANGLE = 1e-6
 
@@ -90,10 +95,9 @@ def chosen_joints(robot: Robot, wanted_names: Sequence[str], source: str) -> Cho
         if moving_joint.joint.kind not in ("slide", "hinge")
     ]
     for joint in other_joints:
-        raise NoChainError(
-            f"{source}: joint {joint.name} is of the kind {joint.kind}: a scene has hinges and slides only",
-            [joint.name],
-        )
+        fault = f"is of the kind {joint.kind}: a scene has hinges and slides only"
+        advice = SUBSTITUTES.get(joint.kind, "")
+        raise NoChainError(f"{source}: joint {joint.name} {fault}{advice}", [joint.name])
     if not hinges:
         raise NoChainError(f"{source}: no hinge moves: a scene needs at least one hinge")
     _check_limits(hinges, source)

@@ -282,6 +282,7 @@ class WallConversion:
             self._tell_unknown(i, "points" if balls[i] else "two ends")
         for i in sorted(contact_links):
             self._tell_reach(i, balls[i])
+        self._tell_links_without_shapes()
         for b, body in enumerate(self.robot.bodies):
             slid = {slide.body for slide in self.joints.sliders} & {*ancestors(self.robot, b)}
             if b not in self.link_of and slid and any(shape.walls for shape in body.shapes):
@@ -290,6 +291,19 @@ class WallConversion:
                     body.name,
                     "touches walls in the file; in the scene it is on no link, and touches nothing",
                 )
+
+    def _tell_links_without_shapes(self) -> None:
+        """Report links without a shape that can touch, if other links have one, in a file without planes.
+
+        In a file with planes, the planes tell what touches them; if no link has such a shape, all ends touch.
+        """
+        touching_links = [i for i in range(len(self.parts)) if self._can_touch(i)]
+        if self.robot.planes or self.robot.embedded_data or not touching_links:
+            return
+        for i in set(range(len(self.parts))) - set(touching_links):
+            name = self.joints.hinges[i].joint.name
+            text = "touches nothing, as no shape there can touch; contact.points can add its ends"
+            self._tell("link of joint", name, text, 1.0)
 
     def _tell_unknown(self, i: int, contact_text: str) -> None:
         """Report shapes of link ``i`` (from 0) that can touch and have unknown outlines, such as meshes.
