@@ -280,6 +280,21 @@ def test_a_model_that_is_not_the_files_is_refused(law):
         with_values(load_scene("rod_drop"), changes)
 
 
+@pytest.mark.parametrize(("model", "file"), [("bumper", "law"), ("law", "law"), ("bumper", "flores")])
+def test_a_function_that_has_not_the_files_name_is_named(tmp_path, model, file):
+    (tmp_path / f"{file}.py").write_text("def bumper(rate):\n    return rate\n", encoding="utf-8")
+    scene = tmp_path / "scene.toml"
+    scene.write_text(
+        'name = "Own"\nchain.links = [{length = 1.0, mass = 1.0}]\ninitial.angles = [0.5]\n'
+        f'initial.position = [0.0, 1.0]\n[contact]\nlaw_file = "{file}.py"\nmodel = "{model}"\n',
+        encoding="utf-8",
+    )
+    with pytest.raises(SceneError) as caught:
+        load_scene(scene)
+    hint = f"; {file}.py defines bumper: file, function and model must have one name"
+    assert str(caught.value).count(hint) == 1
+
+
 @needs_compilers
 @pytest.mark.parametrize(
     ("text", "message"),

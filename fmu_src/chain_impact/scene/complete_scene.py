@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import ast
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from chain_impact.scene.checks.rule_checks import check_given_rules
 from chain_impact.scene.contents import AnyScene
@@ -12,9 +15,11 @@ from chain_impact.scene.half_planes import direction
 from chain_impact.scene.keys.tables import Material
 from chain_impact.scene.shapes import with_shapes
 from chain_impact.scene.signal_inputs import with_signals
+from chain_impact.text import names_text
 from chain_impact.user_laws.law_file import LawError, read_law
 
 ANGLES = ("initial", "angles")
+NAMED_FUNCTIONS = 3  # largest number of functions of a law file that an error names
 
 
 def completed_scene(scene: AnyScene, folder: Path) -> AnyScene:
@@ -40,8 +45,42 @@ def with_law_path(scene: AnyScene, folder: Path) -> AnyScene:
     try:
         read_law(path)
     except LawError as error:
-        raise error_at(("contact", "law_file"), str(error), repr(file)) from None
+        requirement = f"{error}{_other_name_hint(path, _function_names(path))}"
+        raise error_at(("contact", "law_file"), requirement, repr(file)) from None
     return replace(scene, contact=replace(scene.contact, law_file=str(path)))
+
+
+def misnamed_law_hint(data: Any, value: str, folder: Path) -> str:
+    """Return a hint if the refused contact model ``value`` is a function of the scene's law file; else "".
+
+    Args:
+        data: the data of the scene file.
+        value: the text of the refused model, as in Python.
+        folder: the folder at which a relative path of the law file begins.
+    """
+    contact = data.get("contact") if isinstance(data, Mapping) else None
+    file = contact.get("law_file") if isinstance(contact, Mapping) else None
+    if not isinstance(file, str):
+        return ""
+    path = folder / file
+    return _other_name_hint(path, [name for name in _function_names(path) if repr(name) == value])
+
+
+def _other_name_hint(path: Path, names: Sequence[str]) -> str:
+    """Return a hint that ``names`` of functions in a law's file differ from its own; "" if none does."""
+    if not names or path.stem in names:
+        return ""
+    names_in_file = names_text(names, NAMED_FUNCTIONS)
+    return f"; {path.name} defines {names_in_file}: file, function and model must have one name"
+
+
+def _function_names(path: Path) -> list[str]:
+    """Return the names of the functions that a Python file defines; [] if it cannot be read."""
+    try:
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+    except (OSError, SyntaxError, ValueError, RecursionError, MemoryError):
+        return []
+    return [node.name for node in tree.body if isinstance(node, ast.FunctionDef)]
 
 
 def with_angles(scene: AnyScene) -> AnyScene:

@@ -199,6 +199,8 @@ def _validated_scene(data: Mapping[str, Any], source: str, in_file: bool) -> Sce
         # an error of the reader has a path in the data; a later error has a path in the scene, in which an
         # entry with a count has become several links
         error.path = error.path if scene is None else path_in_file(error.path, data)
+        if error.path[-1:] == ("model",):
+            error.fault += complete_scene.misnamed_law_hint(data, error.value, Path(source).parent)
         error.name = label(error.path) if error.name and error.path else error.name
         error.source = source
         raise
