@@ -28,13 +28,26 @@ def test_a_package_that_is_there_is_imported():
 )
 def test_a_missing_package_error_names_python_and_extra(monkeypatch, origin, expected):
     monkeypatch.setattr(extras.sys, "executable", "/a venv/bin/python")
-    distribution = SimpleNamespace(read_text=lambda _: origin and json.dumps(origin))
+    distribution = SimpleNamespace(read_text=lambda _: origin and json.dumps(origin), requires=None)
     monkeypatch.setattr(extras, "distribution", lambda _: distribution)
     with pytest.raises(MissingExtraError) as caught:
         require("no_such_package", "sweep")
     assert str(caught.value) == (
         f"no_such_package is not installed: '/a venv/bin/python' -m pip install {expected}"
     )
+
+
+def test_only_the_missing_packages_of_an_extra_are_named(monkeypatch):
+    texts = ["pytest>=9", "absent_one<2,>=1; extra == 'convert'", 'other_absent==3; extra == "convert"']
+    texts += ["pytest<10,>=9; extra == 'convert'", "not_of_it; extra == 'sweep'"]
+    package = SimpleNamespace(read_text=lambda _: None, requires=texts)
+    find = extras.distribution
+    monkeypatch.setattr(
+        extras, "distribution", lambda name: package if name == "chain-impact" else find(name)
+    )
+    monkeypatch.setattr(extras.sys, "executable", "python")
+    expected = "python -m pip install 'absent_one<2,>=1' other_absent==3"
+    assert extras.how_to_install("convert") == expected
 
 
 def test_a_package_with_a_fault_of_its_own_says_so(tmp_path, monkeypatch):

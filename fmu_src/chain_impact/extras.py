@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 from importlib import import_module
-from importlib.metadata import distribution
+from importlib.metadata import PackageNotFoundError, distribution
 from typing import Any
 from urllib.parse import urlsplit
 from urllib.request import url2pathname
@@ -37,12 +38,34 @@ def require(package: str, extra_name: str) -> Any:
 
 
 def how_to_install(extra_name: str) -> str:
-    """Return the command that adds an extra to this installation of chain-impact."""
-    origin = json.loads(distribution("chain-impact").read_text("direct_url.json") or "{}")
+    """Return the command that installs the packages of an extra that are missing.
+
+    If none is missing by its metadata, the command adds the whole extra to this installation of chain-impact.
+    """
+    package = distribution("chain-impact")
+    # a requirement of an extra has the form "mujoco<5,>=3.3; extra == 'convert'"
+    requirements = [text.partition(";") for text in package.requires or ()]
+    missing_packages = [
+        needed.strip()
+        for needed, _, condition in requirements
+        if re.search(rf"""extra == ['"]{extra_name}['"]""", condition) and not _is_installed(needed)
+    ]
+    origin = json.loads(package.read_text("direct_url.json") or "{}")
     url = origin.get("url", "")
     if url.startswith("file:"):
         package_text = f"{url2pathname(urlsplit(url).path)}[{extra_name}]"
     else:
         prefix = f"{origin['vcs_info']['vcs']}+" if "vcs_info" in origin else ""
         package_text = f"chain-impact[{extra_name}]" + (f" @ {prefix}{url}" if url else "")
-    return f"{quoted_word(sys.executable)} -m pip install {quoted_word(package_text)}"
+    packages_text = " ".join(map(quoted_word, missing_packages or [package_text]))
+    return f"{quoted_word(sys.executable)} -m pip install {packages_text}"
+
+
+def _is_installed(requirement: str) -> bool:
+    """Return whether any version of the package of a requirement, such as "mujoco<5", is installed."""
+    name = re.split(r"[^\w.-]", requirement.strip(), maxsplit=1)[0]
+    try:
+        distribution(name)
+    except PackageNotFoundError:
+        return False
+    return True
