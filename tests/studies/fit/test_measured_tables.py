@@ -253,7 +253,7 @@ def test_impacts_of_points_of_links_and_at_stops_of_a_slider_are_named():
     assert measurements.impacts[0].wall == cart().wall_names.index("slider_max")
 
 
-@pytest.mark.parametrize("name", ["t", "Time", "time [ms]", "t_s"])
+@pytest.mark.parametrize("name", ["t", "Time", "time [ms]", "t_s", "tme"])
 def test_without_a_column_time_the_likely_one_is_named(tmp_path, name):
     path = tmp_path / "motion.csv"
     path.write_text(f"{name},point[1].x\n0,0.86\n0.01,0.87\n", encoding="utf-8")

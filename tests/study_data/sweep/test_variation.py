@@ -70,6 +70,7 @@ def test_an_interval_gives_values_at_fractions():
             "0,1",
             r"not a parameter that can be varied; set initial.angle\[1\] and so on",
         ),
+        ("contact.restitution", "0.1:1.4:3", "= 1.4 must"),
         ("contact.restitution", "0.5,1.5", "= 1.5 must be a finite number >= 0 and <= 1"),
         ("contact.restitution", "nan", "= nan must be a finite number"),
         ("contact.restitution", "0.5,half", "= half must be a finite number"),

@@ -7,6 +7,7 @@ import io
 import itertools
 import re
 from collections.abc import Iterable
+from difflib import SequenceMatcher
 from pathlib import Path
 
 UTF_16 = (b"\xff\xfe", b"\xfe\xff")  # the byte order marks with which a file in UTF-16 can begin
@@ -57,17 +58,25 @@ def likely_time(names: Iterable[str]) -> str:
 def time_like(names: Iterable[str]) -> str | None:
     """Return the first of ``names`` that is a word of TIMES, such as ``Time (s)``; None without one.
 
-    A unit in brackets must be one of UNITS_OF_TIME.
+    If no name is such a word, the result is the first name that is similar to ``time``, such as ``tme``. A
+    unit in brackets must be one of UNITS_OF_TIME.
     """
+    similar_name = None
     for name in names:
         word, _, unit = name.strip().strip('"').lower().replace("[", "(").partition("(")
-        if word.strip(" _") in TIMES and unit.rstrip(") ]") in UNITS_OF_TIME:
+        word = word.strip(" _")
+        if unit.rstrip(") ]") not in UNITS_OF_TIME:
+            continue
+        if word in TIMES:
             return name
-    return None
+        if similar_name is None and SequenceMatcher(None, word, "time").ratio() >= LIKE_TIME:
+            similar_name = name
+    return similar_name
 
 
 # words for a time, and units that may follow them, in the names of columns, all in lower case
 TIMES = ("t", "time", "times", "timestamp", "zeit", "temps", "tiempo", "time_s", "t_s", "sec", "s", "seconds")
+LIKE_TIME = 0.75  # [1] least similarity, from 0 to 1, of a misspelt word to "time"
 UNITS_OF_TIME = ("", "s", "sec", "seconds", "ms", "us", "µs", "min")
 
 

@@ -133,10 +133,10 @@ class _Book:
         measured_names, over_time = _value_columns(table), {*self._outputs, *self._inputs}
         values = [name for name in measured_names if name in chosen_names]
         needed_name, likely = _needed_time_column(table, over_time)
+        if likely and time_like(values):
+            raise SceneError(f"{table.source}: the column {needed_name} is missing{likely}")
         for name in values:
             if name not in over_time and name not in MEASURED_OF_IMPACT:
-                if likely and likely_time([name]):
-                    raise SceneError(f"{table.source}: the column {needed_name} is missing{likely}")
                 other_names = [
                     column for column in measured_names if column in {*over_time, *MEASURED_OF_IMPACT}
                 ]

@@ -189,4 +189,4 @@ def _check(variation: Variation) -> None:
     if variable.items:
         is_finite &= np.isin(values, np.arange(1, len(variable.items) + 1))
     for wrong_value in values[~is_finite]:
-        raise SceneError(f"must be {variable.allowed}", value=f"{wrong_value:.17g}")
+        raise SceneError(f"must be {variable.allowed}", value=f"{wrong_value:.15g}")
