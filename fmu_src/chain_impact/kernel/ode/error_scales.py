@@ -57,7 +57,7 @@ def raise_scales(d, y, scale, contact_count):
     v₀/δ* (``penetration_scale``) turns a round-off ε of a position into a speed ω ε, so the scales of
     clearances, velocities and angular velocities are raised. The arguments are those of ``set_scales``.
     """
-    n, speed = d.link_count, 0.0
+    n, longest_link, speed = d.link_count, d.chain.longest_link, 0.0
     if contact_count == 0:
         return
     round_off_length = largest_length(d, y) / d.solver.tolerance
@@ -69,7 +69,7 @@ def raise_scales(d, y, scale, contact_count):
         scale[sundman_u_at(n) + k] = max(scale[sundman_u_at(n) + k], round_off)
         speed = max(speed, frequency * round_off)
     for j in range(velocity_at(n), dissipated_at(n)):
-        scale[j] = max(scale[j], speed * (1.0 if j < omega_at(n) else 1.0 / d.chain.longest_link))
+        scale[j] = max(scale[j], speed * (1.0 if j < omega_at(n) else 1.0 / longest_link))
 
 
 def largest_length(d, y):
