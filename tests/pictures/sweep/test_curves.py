@@ -9,7 +9,7 @@ import pytest
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.pictures.sweep.curve_marks import MARK_SIZE, broken_line, joined_pairs, jumps_between
-from chain_impact.pictures.sweep.curves import LINE_COLOURS, count_ends, course_text
+from chain_impact.pictures.sweep.curves import LINE_COLOURS, count_ends, course_text, gaps_text
 from chain_impact.pictures.sweep.quantities import COUNT, MAIN_QUANTITIES, shown_quantities_of
 from chain_impact.scene.scene import load_scene
 from chain_impact.studies.sweep.sweep import sweep
@@ -70,6 +70,8 @@ def test_few_joined_points_are_no_lines_but_smooth_peaks_are():
     assert not jumps_between(smooth).any()
     assert np.flatnonzero(jumps_between(kink)).tolist() == [3]
     assert jumps_between(kink[:3]).all(), "too few steps"
+    spike = np.array([1.0, 1.1, 1.2, 4.0, 1.3, 1.4, 1.5])
+    assert np.flatnonzero(jumps_between(spike)).tolist() == [2, 3], "a step back continues no course"
     rows = np.zeros(8, [("impact.count", int), ("peak_force", float), ("max_penetration", float)])
     rows["impact.count"], rows["peak_force"], rows["max_penetration"] = counts, kink, smooth
     runs = type("Rows", (), {"failed": np.zeros(8, bool), "__getitem__": lambda _, name: rows[name]})()
@@ -77,6 +79,19 @@ def test_few_joined_points_are_no_lines_but_smooth_peaks_are():
     (joined,) = joined_pairs(runs, force, [np.arange(8)])
     assert joined.tolist() == [True] * 3 + [False] + [True] * 3
     assert not joined_pairs(runs, count, [np.arange(8)])[0].any(), "one pair of seven would be a feature"
+
+
+@pytest.mark.full("takes long")
+def test_a_sentence_on_gaps_names_the_panels_with_these_gaps():
+    runs = sweep("pinned_arm", {"contact.restitution": "0.1:0.9:9"})
+    page = sweep_page(runs)
+    names_with_gaps = [
+        axes.get_title().split(" [")[0] for axes in page.axes if np.isnan(axes.lines[0].get_ydata()).any()
+    ]
+    shown = shown_quantities_of(runs).drawn_quantities
+    assert 0 < len(names_with_gaps) < len(shown)
+    sentence = f"lines of {' and '.join(names_with_gaps)} break where the number of impacts changes"
+    assert gaps_text(runs, shown, runs.design.variations[0]) == sentence
 
 
 @pytest.mark.parametrize(

@@ -24,8 +24,9 @@ HIDING_DISTANCE = 1.8  # [points] a mark hides another one up to this distance a
 # among points would look like a feature.
 LEAST_JOINED = 0.5
 # A largest value, such as a peak force, jumps between two neighbours if the step there exceeds LARGE_STEP
-# times the steps beside it, and SMALL_STEP times the range of the line. Lines of fewer than FEWEST_STEPS
-# steps have too few of them to compare.
+# times the steps beside it in the same direction, and SMALL_STEP times the range of the line. A step back
+# is no course that a step continues: a single high value has a jump on both sides. Lines of fewer than
+# FEWEST_STEPS steps have too few of them to compare.
 LARGE_STEP = 2.0
 SMALL_STEP = 0.02
 FEWEST_STEPS = 4
@@ -69,13 +70,14 @@ def pair_count(lines: Sequence[np.ndarray]) -> int:
 
 def jumps_between(values: np.ndarray) -> np.ndarray:
     """Return whether values jump between neighbours, shape (R - 1,); True without steps to compare with."""
-    steps = np.abs(np.diff(values))
+    steps = np.diff(values)
     if np.isfinite(steps).sum() < FEWEST_STEPS:
         return np.ones(len(steps), bool)
-    known_steps = np.nan_to_num(steps)
-    neighbour_steps = np.maximum(np.append(0.0, known_steps[:-1]), np.append(known_steps[1:], 0.0))
+    known_steps, directions = np.nan_to_num(steps), np.sign(np.nan_to_num(steps))
+    before, after = np.append(0.0, known_steps[:-1]), np.append(known_steps[1:], 0.0)
+    neighbour_steps = np.maximum(directions * before, directions * after)
     small_step = SMALL_STEP * (np.nanmax(values) - np.nanmin(values))
-    return np.asarray(~(steps <= np.maximum(LARGE_STEP * neighbour_steps, small_step)))
+    return np.asarray(~(np.abs(steps) <= np.maximum(LARGE_STEP * neighbour_steps, small_step)))
 
 
 def broken_line(points: np.ndarray, is_joined: np.ndarray) -> np.ndarray:

@@ -56,6 +56,12 @@ COUNT_MARGIN = 0.08  # the least distance of counts from the ends of their axis,
 # value: a power law is then a straight line.
 DECADE = 10.0
 LEAST_COURSE = 3  # the least number of results whose course is told
+# Sentences on gaps; {} is replaced by the names of the panels. JUMP_GAPS: each gap is where the number of
+# impacts changes and the value jumps; COUNT_GAPS: each gap is where the number changes, and each such place
+# is a gap; NO_LINES: fewer than LEAST_JOINED of the pairs of neighbours are joined
+JUMP_GAPS = "lines{} break at jumps where the number of impacts changes"
+COUNT_GAPS = "lines{} break where the number of impacts changes"
+NO_LINES = "no lines{}: the number of impacts changes between most runs"
 MOST_DIGITS = 17  # with so many significant digits, all different numbers have different texts
 
 
@@ -134,23 +140,23 @@ def gaps_text(
 ) -> str:
     """Return words for where lines of these panels break, and why panels have only marks; "" without gaps.
 
-    The arguments are those of ``draw_curves``.
+    A sentence names the panels for which it is true, unless it is true for all of them. The arguments are
+    those of ``draw_curves``.
     """
     if runs.design.samples is not None:
         return ""
     rows_of_lines = [*lines_of(runs, abscissa, choice).values()]
-    has_gaps, is_without_lines = set[bool](), False
+    names_of: dict[str, list[str]] = {JUMP_GAPS: [], COUNT_GAPS: [], NO_LINES: []}
     for quantity in quantities:
         count = pair_count(joined_pairs(runs, quantity, rows_of_lines))
         if count < pair_count(known_pairs(runs, quantity, rows_of_lines)):
-            is_without_lines |= not count
-            has_gaps |= {is_largest_value(quantity)} if count else set()
-    parts = [
-        "lines break where the number of impacts changes" * (False in has_gaps),
-        "lines of largest values break where these jump" * (True in has_gaps),
-        "no lines where the number of impacts changes between most runs" * is_without_lines,
-    ]
-    return "; ".join(filter(None, parts))
+            sentence = JUMP_GAPS if is_largest_value(quantity) else COUNT_GAPS
+            names_of[sentence if count else NO_LINES].append(quantity.name)
+    return "; ".join(
+        sentence.format("" if len(names) == len(quantities) else f" of {' and '.join(names)}")
+        for sentence, names in names_of.items()
+        if names
+    )
 
 
 def _marks(index: int, count: int, *, is_sampled: bool) -> dict[str, Any]:

@@ -189,7 +189,8 @@ def influence_text(runs: SweepRuns, quantities: Sequence[Quantity], variations: 
         ]
         if texts:
             parts.append(f"{quantity.name}, others equal: {', '.join(texts)}")
-        fit_text = f"effects by a fit, {DEGREES[effects.degree]} in each number"
+        subject = "effects" if len(quantities) == 1 else f"effects on {quantity.name}"
+        fit_text = f"{subject} by a fit, {DEGREES[effects.degree]} in each number"
         parts.append(f"{fit_text}: it explains {effects.explained_text} of the variance")
     return "; ".join(parts)
 

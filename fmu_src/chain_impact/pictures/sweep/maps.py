@@ -13,11 +13,12 @@ from matplotlib.colors import BoundaryNorm, LogNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
 
 from chain_impact.pictures.drawing.dark_ground import COLOURED_GROUND
 from chain_impact.pictures.drawing.legends import legend_at_foot
 from chain_impact.pictures.drawing.shared_names import name_around
-from chain_impact.pictures.drawing.style import INK, is_narrow, raise_exponents
+from chain_impact.pictures.drawing.style import INK, LEAST_TICKS, is_narrow, raise_exponents
 from chain_impact.pictures.sweep.colour_bars import (
     FAILED_COLOUR,
     add_bar,
@@ -44,6 +45,8 @@ SCENE_LINE: dict[str, Any] = {"color": INK, "linestyle": (0.0, (4.0, 3.0)), "lin
 FEW_CELLS, WIDE_CELLS = 8, 4
 # the place in the range of the colours above which texts are black instead of white
 LIGHT_COLOUR = 0.5
+# of maps in a row: the largest number of steps of their horizontal axes, and the allowed steps
+MAP_STEP_COUNT, MAP_STEPS = 3, (1, 2, 2.5, 3, 4, 5, 10)
 NEAREST_FRAME = 2.0  # [points] the width of the frame of the map nearest to the scene
 NO_VALUE_TEXT, NO_IMPACT = "no run has a finite value", "no impact"
 
@@ -83,6 +86,10 @@ def draw_maps(
         for axis, scale in zip((axes.xaxis, axes.yaxis), scales, strict=True):
             if scale.names:  # the names are set after the scale, which would remove them
                 axis.set_ticks(range(len(scale.names)), scale.names)
+        if third_variations and not scales[0].logarithmic and not scales[0].names:
+            # three numbers have room in a narrow map of a row
+            locator = MaxNLocator(MAP_STEP_COUNT, steps=list(MAP_STEPS), min_n_ticks=LEAST_TICKS)
+            axes.xaxis.set_major_locator(locator)
         if scales[0].names:
             axes.tick_params(axis="x", rotation=90)
     nearest_index = _name_maps(panels, runs, variations)

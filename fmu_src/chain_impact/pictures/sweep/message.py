@@ -42,6 +42,7 @@ HALF = 0.5
 # The headline tells that a parameter of a grid hardly matters if it changes a result, whatever the others
 # are, by at most SMALL_EFFECT times the largest |result|; at most NO_EFFECT, due to steps, is no effect.
 SMALL_EFFECT, NO_EFFECT = 0.01, 1e-6
+LEAST_FACTOR = 2.0  # a change that is at least this factor is told as a factor, a smaller one in percent
 
 
 def headline_parts(
@@ -72,7 +73,12 @@ def headline_parts(
     choices = (shown_quantities, shown_quantities_of(runs))
     if has_one_variation and not failed and not any(choice.has_changes(runs) for choice in choices):
         parts = [f"{plain_name(varying_in(runs.design)[0].name)} changes none of the results"]
-    parts += [idle_text(runs, quantities[0]), no_impact_text(runs, quantities[0])]
+    idle = idle_text(runs, quantities[0])
+    for name in map(plain_name, (variation.name for variation in varying_in(runs.design))):
+        # a name is not told twice: "rises with stiffness, by a factor of up to 6.3"
+        if len(parts) == 1 and parts[0].endswith((f"with {name}", f"on {name}")):
+            idle = idle.replace(f"{name} changes it by", "by", 1)
+    parts += [idle, no_impact_text(runs, quantities[0])]
     if failed:
         status_texts = [word.replace("_", " ") for word in np.unique(runs[STATUS_WORD][runs.failed])]
         parts.append(f"{failed} failed ({mark}{names_text(status_texts, MOST_REASONS)})")
@@ -147,8 +153,8 @@ def idle_text(runs: SweepRuns, quantity: Quantity) -> str:
     """Return words for the varied parameters of a grid that hardly matter: "initial.x has no effect".
 
     A parameter hardly matters if its effect is at most SMALL_EFFECT. Of three parameters, the words always
-    have the one that differs from map to map. The text is "" if there is none, if only one parameter varies,
-    and for samples.
+    have the one that differs from map to map, with its largest change in one place of the maps. The text
+    is "" if there is none, if only one parameter varies, and for samples.
     """
     variations, idle_names = varying_in(runs.design), list[str]()
     if len(variations) == 1 or runs.design.samples is not None:
@@ -162,14 +168,30 @@ def idle_text(runs: SweepRuns, quantity: Quantity) -> str:
         effect = float(changes.max()) / largest_value
         if variation in series and effect > NO_EFFECT:
             # in each place of the maps, the change is compared with the values there
-            effect = float((changes / np.ma.abs(values).max(axis=axis)).max())
-        if effect <= NO_EFFECT:
+            idle_names.append(f"{plain_name(variation.name)} changes it by {_most_change(values, axis)}")
+        elif effect <= NO_EFFECT:
             idle_names.append(f"{plain_name(variation.name)} has no effect")
-        elif effect <= SMALL_EFFECT or variation in series:
+        elif effect <= SMALL_EFFECT:
             idle_names.append(
                 f"{plain_name(variation.name)} changes it by ≤ {number_text(100.0 * effect, 2)} %"
             )
     return ", ".join(idle_names)
+
+
+def _most_change(values: np.ma.MaskedArray, axis: int) -> str:
+    """Return words for the largest change of results along an axis: "a factor of up to 6.3", "up to 12 %".
+
+    The change is relative to the smallest |result| along the axis, if all results have one sign and none is
+    0; if not, to the largest |result|, as the words then tell.
+    """
+    sizes = np.ma.abs(values)
+    if values.min() * values.max() <= 0.0:
+        change = float((np.ma.ptp(values, axis=axis) / sizes.max(axis=axis)).max())
+        return f"up to {number_text(100.0 * change, 2)} % of its largest value"
+    factor = float((sizes.max(axis=axis) / sizes.min(axis=axis)).max())
+    if factor < LEAST_FACTOR:
+        return f"up to {number_text(100.0 * (factor - 1.0), 2)} %"
+    return f"a factor of up to {number_text(factor, 2)}"
 
 
 def share_of(runs: SweepRuns, variation: Variation, values: np.ndarray) -> tuple[float, str]:
