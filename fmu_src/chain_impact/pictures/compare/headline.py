@@ -29,7 +29,8 @@ def headline(comparison: LawRuns[LawRecording], *, is_small: bool = False) -> st
     restitutions = [run.restitution for run in runs if math.isfinite(run.restitution)]
     if not comparison.has_restitution:
         if is_small:
-            return f"{name}: {peaks(comparison, runs, verb='is ')}"
+            quantity, top = quantity_of(comparison), peaks(comparison, runs)
+            return f"{name}: {_with_subject(comparison, runs, quantity, top.removeprefix(f'{quantity} '))}"
         impact_text = f"in the {compared_impact(comparison.scene)}"
         return f"{name}: {_reach_text(runs, _peak_count(runs))} {peaks(comparison, runs)} {impact_text}"
     if not restitutions:
@@ -37,7 +38,7 @@ def headline(comparison: LawRuns[LawRecording], *, is_small: bool = False) -> st
     ends = dict.fromkeys((f"{min(restitutions):.2f}", f"{max(restitutions):.2f}"))
     range_text = " to ".join(ends)
     if is_small:
-        return f"{name}: restitution is {range_text}"
+        return f"{name}: {_with_subject(comparison, runs, 'restitution', range_text)}"
     ranges_text = " and ".join(filter(None, (f"restitution {range_text}", peaks(comparison, runs))))
     laws_text = _reach_text(runs, len(restitutions))
     return f"{name}: {laws_text} {ranges_text} in the first impact, for e = {e:g}"
@@ -57,8 +58,24 @@ def rest_of_headline(comparison: LawRuns[LawRecording]) -> str:
 
 
 def _reach_text(runs: Sequence[LawRecording], count: int) -> str:
-    """Return the subject and the verb of a headline: "16 laws with losses reach"."""
+    """Return the subject and the verb of a headline: "16 laws with losses reach", "flores reaches"."""
+    if len(runs) == count == 1:
+        return f"{runs[0].law} reaches"
     return f"{law_count_text(runs, count)} {'reaches' if count == 1 else 'reach'}"
+
+
+def _with_subject(
+    comparison: LawRuns[LawRecording], runs: Sequence[LawRecording], quantity: str, range_text: str
+) -> str:
+    """Return a short sentence on a range of ``runs``: "peak force is 1.2 to 1.5 kN".
+
+    The sentence on one run names the law. If the law without losses is compared, but is not one of ``runs``,
+    the sentence ends with "with losses", because the range is not that of all laws.
+    """
+    if len(runs) == 1:
+        return f"{_reach_text(runs, 1)} {quantity} {range_text}"
+    is_left_out = LOSSLESS_LAW in {run.law for run in comparison.runs} - {run.law for run in runs}
+    return f"{quantity} is {range_text}{' with losses' * is_left_out}"
 
 
 def _peak_count(runs: Sequence[LawRecording]) -> int:
@@ -83,15 +100,17 @@ def law_count_text(law_runs: Sequence[LawRecording], count: int) -> str:
     )
 
 
-def peaks(comparison: LawRuns[LawRecording], runs: Sequence[LawRecording], verb: str = "") -> str:
-    """Return words for the range of the peak forces or moments of ``runs`` that are above 0, or "".
-
-    ``verb``: a word before the range, with a space at its end.
-    """
+def peaks(comparison: LawRuns[LawRecording], runs: Sequence[LawRecording]) -> str:
+    """Return words for the range of the peak forces or moments of ``runs`` that are above 0, or ""."""
     peak_forces = [run.peak_force for run in runs if run.peak_force > 0.0]
     unit = unit_at("peak_force", is_stop=comparison.is_at_stop)
     if not peak_forces:
         return ""
     factor, unit = load_unit(max(peak_forces), unit)
     ends = with_unit(span_text(factor * min(peak_forces), factor * max(peak_forces)), unit)
-    return f"peak {'moment' if comparison.is_at_stop else 'force'} {verb}{ends}"
+    return f"{quantity_of(comparison)} {ends}"
+
+
+def quantity_of(comparison: LawRuns[LawRecording]) -> str:
+    """Return the words for the peaks of the first impact, which at a joint's stop are moments."""
+    return f"peak {'moment' if comparison.is_at_stop else 'force'}"

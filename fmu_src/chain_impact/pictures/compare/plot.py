@@ -38,6 +38,7 @@ from chain_impact.pictures.drawing.users_axes import draw_into, fit_into_figure
 from chain_impact.pictures.over_time.energies import offset_text, shown_energies
 from chain_impact.pictures.over_time.rests import shown_time
 from chain_impact.pictures.over_time.time_axis import name_time
+from chain_impact.recording.recording import Recording
 from chain_impact.scene.texts.unit_text import stiffness_unit
 from chain_impact.study_data.compared_impact import LOSSLESS_LAW, compared_impact
 from chain_impact.study_data.law_runs import LawRecording, LawRuns, with_jump
@@ -104,7 +105,7 @@ def name_ends(axes: Axes, comparison: LawRuns[LawRecording], looks: Looks) -> li
     for law, look in looks.items():
         result = comparison[law].result
         if result is not None and look["color"] != GREY:
-            value = float(np.interp(end, result.time, offset + result.energies["total"]))
+            value = float(np.interp(end, *energy_course(result, offset)))
             lines.append((brief_names(look["label"]), value, look["color"]))
     return write_end_labels(axes, lines)
 
@@ -248,14 +249,14 @@ def draw_energy(axes: Axes, comparison: LawRuns[LawRecording], looks: Looks) -> 
     band = laws_in_band(comparison, looks)
     results = [result for law in band if (result := comparison[law].result) is not None]
     if results:
-        time = max((result.time for result in results), key=len)
-        totals = [(result.time, offset + result.energies["total"]) for result in results]
+        totals = [energy_course(result, offset) for result in results]
+        time = np.unique(np.concatenate([total[0] for total in totals]))
         curves = [np.interp(time, *total, right=np.nan) for total in totals]
         figure = axes.get_figure(root=True)
         is_small = figure is not None and is_narrow(figure)
         draw_band(axes, time, curves, band_label(comparison, band, is_small=is_small))
     courses = {
-        law: np.array([result.time, offset + result.energies["total"]])
+        law: energy_course(result, offset)
         for law in looks
         if (result := comparison[law].result) is not None and law not in band
     }
@@ -274,6 +275,12 @@ def draw_energy(axes: Axes, comparison: LawRuns[LawRecording], looks: Looks) -> 
     label = f"total {offset_text(offset)} [J]" if offset else "total energy [J]"
     axes.set(ylabel=label, xlim=(start, end))
     give_ticks(axes)
+
+
+def energy_course(result: Recording, offset: float) -> np.ndarray:
+    """Return times [s], with those within impacts, and the total energy plus ``offset`` [J], shape (2, S)."""
+    time, energies = result.detailed_energies
+    return np.array([time, offset + energies["total"]])
 
 
 def shown_span(comparison: LawRuns[LawRecording]) -> tuple[float, float]:

@@ -16,6 +16,9 @@ LEADER_LENGTH, END_GAP = 8.0, 2.0
 # names are not written if one would be farther from its line than FARTHEST, with names of the height
 # NAME_SHARE; both are relative to the height of the axes
 FARTHEST, NAME_SHARE = 0.45, 0.08
+# names are not written if all lines end within this part of the height of the axes, about a line's width,
+# because they would all point at one place
+SAME_END = 0.02
 LINE_HEIGHT = 1.05  # the least distance of the middles of two names, relative to the height of a name
 
 
@@ -35,12 +38,14 @@ def write_end_labels(axes: Axes, lines: Sequence[tuple[str, float, str]]) -> lis
     """Write names at the right of axes, so that the layout leaves room for them; ``spread`` places them.
 
     ``lines`` has the name, the height of the right end in data coordinates, and the colour of each line. If
-    many lines end at one height (FARTHEST), no name is written. Returns the written names, in the order of
-    ``lines``.
+    all lines end at one height (SAME_END) or many lines do (FARTHEST), no name is written. Returns the
+    written names, in the order of ``lines``.
     """
     (low, high), values = axes.get_ylim(), sorted(value for _, value, _ in lines)
     positions = (np.array(values) - low) / (high - low)
-    if not len(positions) or np.abs(spread_out(positions, NAME_SHARE, 0.0, 1.0) - positions).max() > FARTHEST:
+    if not len(positions) or (len(positions) > 1 and np.ptp(positions) < SAME_END):
+        return []
+    if np.abs(spread_out(positions, NAME_SHARE, 0.0, 1.0) - positions).max() > FARTHEST:
         return []
     look: dict[str, Any] = {"xycoords": axes.get_yaxis_transform(), "textcoords": "offset points"}
     look |= {"ha": "left", "va": "center", "fontsize": "small", "annotation_clip": False}
