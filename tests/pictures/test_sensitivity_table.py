@@ -18,6 +18,7 @@ from chain_impact.pictures.sensitivity_table import (
     CELL_HEIGHT,
     MOST_OPACITY,
     SIGNED_COLOURS,
+    cell_text,
     draw_impact_changes,
 )
 from tests.helpers.scenes.stops import knee_scene, struck_rod
@@ -159,3 +160,7 @@ def test_six_parameters_have_room_in_a_column_of_a_journal(width):
     assert names[-1] == "contact.radius + 0.01 m"
     assert "+0.59" in [text.get_text() for text in table.texts]
     assert not any("contact.radius" in text.get_text() for text in legend.get_texts())
+
+
+def test_a_change_beyond_first_order_is_only_bounded():
+    assert [cell_text(change) for change in (127.0, -197.0, 9.9, -10.0)] == ["> +10", "< −10", "+9.9", "−10"]

@@ -5,9 +5,9 @@ A panel for each output has curves over time; a table has the changes of each im
 A curve shows the derivative of an output with respect to a parameter, times a small change of this parameter
 (``Sensitivities.step``). So the curves of all parameters share an axis, in the unit of the output.
 
-The curves of a parameter, and the row of the table for it, end where changes to first order by this parameter
-no longer hold (``known_changes``). A mark stands at the end of each such curve. The line below the headline
-names this time for the parameter of the headline.
+The row of the table for a parameter ends where changes to first order by this parameter do not hold any more
+(``known_changes``). All curves end, and a shaded area begins, at the time that the line below the headline
+names: the first such end of a parameter, that of the headline.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, draw_band
 from chain_impact.pictures.drawing.figures import settle
 from chain_impact.pictures.drawing.headings import HEIGHT_COUNTS, name_above
 from chain_impact.pictures.drawing.legends import legend_at_head
+from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.style import (
     GREY,
     INK,
@@ -40,7 +41,7 @@ from chain_impact.pictures.drawing.style import (
 from chain_impact.pictures.first_order import drawn_rows, known_changes, shares, with_small_steps
 from chain_impact.pictures.over_time.time_axis import impact_handles, mark_impacts, name_time
 from chain_impact.pictures.rows_of_impacts import is_outside_impacts
-from chain_impact.pictures.sensitivity_finding import NO_CHANGE, finding_of
+from chain_impact.pictures.sensitivity_finding import NO_CHANGE, finding_of, most_important
 from chain_impact.pictures.sensitivity_table import draw_impact_changes, has_blank_cells, name_rows_inside
 from chain_impact.pictures.texts.conditions import conditions
 from chain_impact.recording.recording import Recording
@@ -51,7 +52,7 @@ from chain_impact.text import count_text, readable_unit
 # the largest number of parameters with coloured curves, those with the largest effects; other curves are grey
 LARGEST_EFFECTS = 4
 FIRST_ORDER_CHANGES = "changes to first order"
-END_NOTE = "ends: a change reverses two impacts or exceeds a range"
+END_NOTE = "no prediction: a change reverses two impacts or exceeds a range"
 LEAST_PANELS = 0.1  # [inch] the least height of all panels above the table with which the layout is computed
 SHIFT_NOTE = "gaps: the change shifts an impact"
 # the largest height of the sentences on missing derivatives at the foot, relative to that of the figure
@@ -60,9 +61,6 @@ RUN_LOOK: dict[str, Any] = {"marker": "D", "markersize": 5.0, "linestyle": "", "
 RUN_LOOK |= {"markeredgecolor": INK, "markeredgewidth": 0.8, "clip_on": False}
 """The mark of a change in a run with a changed parameter, with matplotlib's names."""
 RUN_MARGIN = 0.08  # the least distance of this mark from the ends of the axis, relative to their distance
-END_LOOK: dict[str, Any] = {"marker": "|", "markersize": 9.0, "markeredgewidth": 1.5, "linestyle": ""}
-END_LOOK |= {"zorder": 3.5}
-"""The mark at the end of a curve, with matplotlib's names."""
 ADDED_DASH = (0.0, (3.5, 1.2))
 """The dashes of the curves for a value added to a parameter that is 0, as matplotlib's line style."""
 Looks = list[dict[str, Any]]
@@ -90,31 +88,34 @@ def draw_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
         "" if is_known.all() else END_NOTE,
         *(f"{name} {EXPONENT_NOTE}" for name in left_out),
     ]
-    scaled_sensitivities = with_small_steps(recording, given_sensitivities, names, is_known)
+    end_row = last_predicted(given_sensitivities, parts.max(axis=0), is_known)
+    is_shown = is_known & (np.arange(len(is_known)) <= end_row)[:, None]
+    scaled_sensitivities = with_small_steps(recording, given_sensitivities, names, is_shown)
     is_small = is_narrow(figure)
+    # a narrow figure has only the first sentence in its head
+    detail, _, more_detail = finding.detail.partition("; ") if is_small else (finding.detail, "", "")
     write_headline(
         figure,
         finding.message,
-        conditions(recording, *remarks, short=is_small),
-        *([(finding.detail, INK)] if finding.detail else []),
+        conditions(recording, *filter(None, more_detail.split("; ")), *remarks, short=is_small),
+        *([(detail, INK)] if detail else []),
     )
     relative_changes = np.max([shares(recording, scaled_sensitivities, name) for name in names], axis=0)
+    relative_changes = relative_changes[: end_row + 1]
     looks = looks_of(
         given_sensitivities, relative_changes, scaled_sensitivities.step_factors, is_brief=is_small
     )
-    is_drawn = drawn_rows(recording, given_sensitivities, is_known)
+    is_drawn = drawn_rows(recording, given_sensitivities, is_shown)
     column_count = 1 if is_small else 2
     panels, table = panels_of(figure, len(names), column_count)
     for axes, name in zip(panels, names, strict=True):
-        scale = draw_changes(
-            axes, recording, scaled_sensitivities, name, looks, is_known=is_known, is_drawn=is_drawn
-        )
+        scale = draw_changes(axes, recording, scaled_sensitivities, name, looks, is_drawn=is_drawn)
         if checked and checked.change is not None and checked.output == name:
             mark_run(
                 axes, float(recording.time[checked.row]), scale * checked.change, looks[checked.parameter]
             )
         mark_impacts(axes, recording)
-        mark_unknown(axes, recording, given_sensitivities)
+        mark_unknown(axes, recording, given_sensitivities, end_row)
         give_ticks(axes)
     for panel_index, axes in enumerate(panels):
         # the next row is full of panels, without the table, so that this panel has a panel below it
@@ -132,14 +133,13 @@ def draw_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
     )
     if any(given_sensitivities.parameters.values()):
         handles.insert(0, Line2D([], [], linestyle="", label=f"+ {100.0 * RELATIVE_STEP:g} %:"))
-    if checked:
-        handles.append(Line2D([], [], label="change in a run", **RUN_LOOK))
-    if not is_known.all():
-        handles.append(Line2D([], [], color=INK, label="end of first order", **END_LOOK))
-    handles += impact_handles(panels[0], recording)
-    if has_blank_cells(table):
-        handles.append(Patch(facecolor=OUTSIDE_COLOUR, label="no prediction"))
-    legend_at_head(figure, handles)
+    marks: list[Any] = [Line2D([], [], label="change in a run", **RUN_LOOK)] if checked else []
+    marks += impact_handles(panels[0], recording)
+    if has_blank_cells(table) or end_row < len(is_known) - 1:
+        marks.append(Patch(facecolor=OUTSIDE_COLOUR, label="no prediction"))
+    mark_text = SEPARATOR.join(f"{mark_word(mark)}: {mark.get_label()}" for mark in marks)
+    has_marks_below = is_small and bool(marks) and write_foot(figure, mark_text)
+    legend_at_head(figure, handles if has_marks_below else [*handles, *marks])
     if given_sensitivities.limits:
         write_foot(figure, "\n".join(given_sensitivities.limits), most_share=MOST_LIMITS)
     start_at_headline(figure)
@@ -232,14 +232,12 @@ def draw_changes(
     output: str,
     looks: Looks,
     *,
-    is_known: np.ndarray,
     is_drawn: np.ndarray,
 ) -> float:
     """Draw the changes of an output over time, a curve for each parameter; return the factor of the unit.
 
     A curve has gaps where ``is_drawn``, the result of ``drawn_rows``, is False, and where the derivative is
-    unknown. It has a mark where it ends before the run: where ``is_known``, the result of ``known_changes``,
-    becomes False. If there are more than MOST_GREY grey curves, they are drawn as a band. ``looks`` is the
+    unknown. If there are more than MOST_GREY grey curves, they are drawn as a band. ``looks`` is the
     result of ``looks_of``.
     """
     changes = np.where(is_drawn, sensitivities.changes(output), np.nan)
@@ -253,9 +251,6 @@ def draw_changes(
     for k, (values, look) in enumerate(zip(changes.T, looks, strict=True)):
         if has_curves(look) and (len(grey) <= MOST_GREY or k not in grey):
             axes.plot(recording.time, values, **look)
-            if not is_known[-1, k] and is_known[:, k].any():
-                end = np.flatnonzero(is_known[:, k])[-1]
-                axes.plot(recording.time[[end]], values[[end]], color=look["color"], **END_LOOK)
     name_above(axes, f"Δ {output}{bracketed_unit(unit)}")
     axes.title.set_gid(HEIGHT_COUNTS)
     axes.axhline(0.0, color=INK, linewidth=0.6, zorder=1)
@@ -290,8 +285,31 @@ def scale_ends(changes: np.ndarray) -> tuple[float, float]:
     return low - margin, high + margin
 
 
-def mark_unknown(axes: Axes, recording: Recording, sensitivities: Sensitivities) -> None:
-    """Shade the time from the first row without any known derivative to the end of the run."""
+def mark_word(mark: Line2D | Patch) -> str:
+    """Return a word for the look of a mark that is no curve, for the foot of a narrow figure."""
+    if isinstance(mark, Patch):
+        return "grey area"
+    return "diamond" if mark.get_marker() == RUN_LOOK["marker"] else "vertical lines"
+
+
+def last_predicted(sensitivities: Sensitivities, relative_changes: np.ndarray, is_known: np.ndarray) -> int:
+    """Return the last row of the curves of all parameters: the end of the headline's (``most_important``).
+
+    Later changes by other parameters would set the scale of a panel in which the headline's cannot be seen.
+    If its changes hold nowhere, the result is the last row of the run. The arguments are those of
+    ``most_important``.
+    """
+    known_rows = np.flatnonzero(is_known[:, most_important(sensitivities, relative_changes, is_known)])
+    return int(known_rows[-1]) if len(known_rows) else len(is_known) - 1
+
+
+def mark_unknown(axes: Axes, recording: Recording, sensitivities: Sensitivities, end_row: int) -> None:
+    """Shade the time after the curves: after ``end_row``, or from the first row without any derivative."""
+    if end_row < len(recording.time) - 1:
+        axes.axvspan(
+            recording.time[end_row], recording.time[-1], color=OUTSIDE_COLOUR, linewidth=0.0, zorder=0
+        )
+        return
     is_unknown = np.isnan(sensitivities.slopes).all(axis=(1, 2))
     if is_unknown.any():
         start, end = recording.time[is_unknown.argmax()], recording.time[-1]

@@ -53,7 +53,6 @@ GRID: dict[str, Any] = {"color": "0.85", "linewidth": 0.4, "zorder": 2.0}
 # [inch] CELL_HEIGHT: the least height of a row, so that names and numbers in successive rows do not touch;
 # SCALE_HEIGHT: that of the table beside a bar with numbers
 CELL_HEIGHT, SCALE_HEIGHT = 0.17, 0.65
-SCALE_FONT = 6.8  # [points] the size of these numbers, five of which have room in SCALE_HEIGHT
 # [inch] the least width of a cell with a number, and the width of the names beside the cells
 CELL_WIDTH, ROW_NAMES_WIDTH = 0.38, 1.7
 # [inch] the distances of the word "impact" from the left and lower edges of the cells
@@ -239,7 +238,7 @@ def _add_bar(figure: Figure, axes: Axes, image: Any, largest_size: float) -> Non
     extend = "both" if largest_size > end else "neither"
     bar = figure.colorbar(image, ax=axes, ticks=FixedLocator(ticks), format=texts, extend=extend)
     bar.ax.minorticks_off()
-    bar.ax.tick_params(labelsize=SCALE_FONT)
+    bar.ax.tick_params(labelsize="small")
 
 
 def blocks_of(
@@ -279,7 +278,12 @@ def has_numbers(figure: Figure, impacts: int) -> bool:
 
 
 def cell_text(change: float) -> str:
-    """Return a change [%] as text with sign and two significant digits; "0" for |change| < LEAST_CHANGE."""
+    """Return a change [%] as text with sign and two significant digits; "0" for |change| < LEAST_CHANGE.
+
+    A |change| above MOST_CHANGE, which first order cannot tell, is only bounded: "> +10", "< −10".
+    """
+    if abs(change) > MOST_CHANGE:
+        return f"> +{MOST_CHANGE:g}" if change > 0.0 else f"< −{MOST_CHANGE:g}"
     return "0" if abs(change) < LEAST_CHANGE else signed_text(change).replace("-", "−")
 
 
