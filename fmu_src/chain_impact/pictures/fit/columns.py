@@ -94,9 +94,11 @@ def draw_column(values: Axes, residuals: Axes, column: FittedColumn, *, has_seve
             residuals.plot(
                 *mean_line, color=colour if has_several else MEAN_COLOUR, linewidth=1.2, label=MEAN
             )
-    values.set_ylabel(f"{column.name}{bracketed_unit(unit)}")
+    # a quantity of impacts has plain words, as in other pictures; an output has the name that a user writes
+    name = column.name.replace("_", " ") if over_impacts else column.name
+    values.set_ylabel(f"{name}{bracketed_unit(unit)}")
     give_ticks(values)
-    values.tick_params(bottom=False, labelbottom=False)
+    values.tick_params(labelbottom=False)
     last = max((float(np.nanmax(part.positions, initial=0.0)) for part in column.series), default=0.0)
     if over_impacts:
         # the word stands beside the numbers, so that the name needs no line of its own

@@ -80,7 +80,7 @@ def draw_fit(figure: Figure, contents: FitContents) -> None:
 
 
 def _share_times(figure: Figure, columns: int) -> None:
-    """Remove the name and the numbers of an axis if the panel below, as wide, has the same name and ends."""
+    """Remove the name of an axis if the panel below, as wide, has the same name and ends; numbers stay."""
     residuals = figure.axes[1::2]
     for k, axes in enumerate(residuals):
         neighbours = residuals[k + columns : k + columns + 1]
@@ -88,7 +88,6 @@ def _share_times(figure: Figure, columns: int) -> None:
         ends = [panel.get_xlim() for panel in (axes, *neighbours)]
         if neighbours and looks[0] == looks[1] and np.allclose(ends[0], ends[1], rtol=SAME_TIMES, atol=0.0):
             axes.set_xlabel("")
-            axes.tick_params(labelbottom=False)
 
 
 def _widths(columns: Sequence[FittedColumn]) -> list[int]:

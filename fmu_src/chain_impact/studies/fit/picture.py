@@ -28,7 +28,6 @@ from chain_impact.studies.fit.estimate_texts import (
     MOST_ESTIMATES,
     estimate_ranges,
     estimate_text,
-    short_error_text,
     strongest_correlation,
 )
 from chain_impact.studies.fit.estimates import Estimates
@@ -114,12 +113,10 @@ def finding_text(fit: Estimates) -> str:
     label = least_certain_of(fit)
     parameter = next(parameter for parameter in fit.parameters if parameter.label == label)
     name = plain_name(parameter.name) + label.removeprefix(parameter.name)
-    if label in fit.at_bounds:
-        bound = estimate_text(fit, label).removeprefix(label).strip()
-        return f"{name} is {bound}"
-    if len(fit.values) == 1:
-        return f"{name} is {estimate_text(fit, label).removeprefix(label).lstrip()}"
-    return f"{name} ± {short_error_text(fit, label)} is the least certain of {len(fit.values)}"
+    sentence = f"{name} is {estimate_text(fit, label).removeprefix(label).strip()}"
+    if label in fit.at_bounds or len(fit.values) == 1:
+        return sentence
+    return f"{sentence}, the least certain of {len(fit.values)} estimates"
 
 
 def _fitted_parameter(fit: Estimates, parameter: Parameter) -> FittedParameter:
