@@ -16,13 +16,14 @@ from matplotlib.figure import Figure
 from chain_impact.kernel.forces.contact_law import ContactLaw
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.forces.lossless_contact import lossless_penetration
+from chain_impact.pictures.drawing.distinct_curves import draw_band
 from chain_impact.pictures.drawing.law_looks import law_look
 from chain_impact.pictures.drawing.legends import legend_at_foot
-from chain_impact.pictures.drawing.style import DPI, GREY, STYLE, write_headline
+from chain_impact.pictures.drawing.style import DPI, STYLE, write_headline
 from chain_impact.scene.keys.tables import Contact
 from chain_impact.scene.scene import load_scene, scene_from_dict
 from chain_impact.simulation.simulate import simulate
-from chain_impact.study_data.compared_impact import EXACT_LAW
+from chain_impact.study_data.compared_impact import EXACT_LAW, LOSSLESS_LAW
 from docs.tools import DOCS
 
 PICTURE = DOCS / "images" / "restitution.png"
@@ -33,7 +34,8 @@ NAMED_LAWS = {
     "flores": "much used",
     "kelvin_voigt": "much used",
     EXACT_LAW: "exact",
-    "gharib_hurmuzlu": "differs most",
+    "gharib_hurmuzlu": "differs most with losses",
+    LOSSLESS_LAW: "no losses",
 }
 # [1] a run stops after a contact of LONGEST_RUN × (penetration without damping / impact speed)
 LONGEST_RUN = 200.0
@@ -81,10 +83,8 @@ def groups() -> dict[str, list[ContactLaw]]:
 
 
 def look(names: list[str]) -> dict[str, object]:
-    """Return the style of the curve of some laws."""
-    named_law = next((name for name in names if name in NAMED_LAWS), None)
-    if named_law is None:
-        return {"color": GREY, "linewidth": 0.9, "zorder": 1}
+    """Return the style of the curve of some laws, of which one is in NAMED_LAWS."""
+    named_law = next(name for name in names if name in NAMED_LAWS)
     width, layer = (3.5, 2) if named_law == EXACT_LAW else (1.8, 3)
     return law_look(named_law) | {"linewidth": width, "zorder": layer}
 
@@ -92,21 +92,24 @@ def look(names: list[str]) -> dict[str, object]:
 def draw(path: Path) -> None:
     """Draw the realised restitution on the left, and its error on the right."""
     accurate = total = 0
-    other_ends: dict[str, float] = {}
+    others: dict[str, np.ndarray] = {}
     with mpl.rc_context(STYLE):
         page = Figure(figsize=(10.5, 4.4), dpi=DPI, layout="constrained")
         value, error = page.subplots(1, 2)
         for laws in groups().values():
             names, e_out = [law.id for law in laws], curve(laws[0])
             reason = next((f" ({NAMED_LAWS[name]})" for name in names if name in NAMED_LAWS), None)
-            label = {"label": ", ".join(names) + reason} if reason else {}
-            other_ends |= {} if reason else dict.fromkeys(names, float(np.interp(FROM, SAMPLES, e_out)))
-            value.plot(SAMPLES, e_out, **look(names), **label)
-            error.plot(SAMPLES, e_out - SAMPLES, **look(names))
+            if reason:
+                value.plot(SAMPLES, e_out, **look(names), label=", ".join(names) + reason)
+                error.plot(SAMPLES, e_out - SAMPLES, **look(names))
+            else:
+                others |= dict.fromkeys(names, e_out)
             total += len(names)
             accurate += len(names) * bool(np.abs(e_out - SAMPLES)[FROM <= SAMPLES].max() <= MOST_ERROR)
-        ends = " to ".join(choose(other_ends, key=lambda name: other_ends[name]) for choose in (min, max))
-        value.plot([], [], color=GREY, label=f"{len(other_ends)} others, from {ends}")
+        middle = {name: float(np.interp(FROM, SAMPLES, e_out)) for name, e_out in others.items()}
+        ends = " to ".join(choose(middle, key=lambda name: middle[name]) for choose in (min, max))
+        draw_band(value, SAMPLES, [*others.values()], f"{len(others)} others, at e = {FROM} {ends}")
+        draw_band(error, SAMPLES, [e_out - SAMPLES for e_out in others.values()])
         value.set(
             xlabel="prescribed restitution e", ylabel="realised restitution", xlim=(0, 1), ylim=(0, 1.02)
         )
@@ -117,7 +120,7 @@ def draw(path: Path) -> None:
             f"{accurate} of {total} laws that are a force realise e within {MOST_ERROR} from e = {FROM} on",
             "free impacts of 1 kg at 1 m/s",
         )
-        legend_at_foot(page, value.get_legend_handles_labels()[0])
+        legend_at_foot(page, value.get_legend_handles_labels()[0], columnspacing=2.0)
         page.savefig(path, dpi="figure")
 
 
