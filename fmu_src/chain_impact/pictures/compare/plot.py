@@ -250,8 +250,8 @@ def draw_energy(axes: Axes, comparison: LawRuns[LawRecording], looks: Looks) -> 
     results = [result for law in band if (result := comparison[law].result) is not None]
     if results:
         totals = [energy_course(result, offset) for result in results]
-        time = np.unique(np.concatenate([total[0] for total in totals]))
-        curves = [np.interp(time, *total, right=np.nan) for total in totals]
+        time = np.unique(np.concatenate([moments for moments, _ in totals]))
+        curves = [np.interp(time, moments, total, right=np.nan) for moments, total in totals]
         figure = axes.get_figure(root=True)
         is_small = figure is not None and is_narrow(figure)
         draw_band(axes, time, curves, band_label(comparison, band, is_small=is_small))
