@@ -171,8 +171,8 @@ def rank_correlation(first_values: np.ndarray, second_values: np.ndarray) -> flo
 def influence_text(runs: SweepRuns, quantities: Sequence[Quantity], variations: Sequence[Variation]) -> str:
     """Return words with the number of runs, on dashed lines, and on the fit of each quantity.
 
-    The words have the effects of the parameters without a panel; a quantity that the fit does not describe
-    well (TRENDING) has only the part of its variance.
+    The words tell what effects are relative to, and have those of the parameters without a panel; a quantity
+    that the fit does not describe well (TRENDING) has only the part of its variance.
     """
     parts = [f"{len(runs)} runs"]
     if any(own_value(runs, variation) is not None for variation in drawn_parameters(runs, variations)):
@@ -190,6 +190,7 @@ def influence_text(runs: SweepRuns, quantities: Sequence[Quantity], variations: 
         if texts:
             parts.append(f"{quantity.name}, others equal: {', '.join(texts)}")
         subject = "effects" if len(quantities) == 1 else f"effects on {quantity.name}"
+        subject += f" relative to the {'geometric ' * effects.is_factor}mean"
         fit_text = f"{subject} by a fit, {DEGREES[effects.degree]} in each number"
         parts.append(f"{fit_text}: it explains {effects.explained_text} of the variance")
     return "; ".join(parts)
