@@ -92,7 +92,7 @@ def look(names: list[str]) -> dict[str, object]:
 def draw(path: Path) -> None:
     """Draw the realised restitution on the left, and its error on the right."""
     accurate = total = 0
-    others: dict[str, np.ndarray] = {}
+    other_curves: dict[str, np.ndarray] = {}
     with mpl.rc_context(STYLE):
         page = Figure(figsize=(10.5, 4.4), dpi=DPI, layout="constrained")
         value, error = page.subplots(1, 2)
@@ -103,13 +103,15 @@ def draw(path: Path) -> None:
                 value.plot(SAMPLES, e_out, **look(names), label=", ".join(names) + reason)
                 error.plot(SAMPLES, e_out - SAMPLES, **look(names))
             else:
-                others |= dict.fromkeys(names, e_out)
+                other_curves |= dict.fromkeys(names, e_out)
             total += len(names)
             accurate += len(names) * bool(np.abs(e_out - SAMPLES)[FROM <= SAMPLES].max() <= MOST_ERROR)
-        middle = {name: float(np.interp(FROM, SAMPLES, e_out)) for name, e_out in others.items()}
+        middle = {name: float(np.interp(FROM, SAMPLES, e_out)) for name, e_out in other_curves.items()}
         ends = " to ".join(choose(middle, key=lambda name: middle[name]) for choose in (min, max))
-        draw_band(value, SAMPLES, [*others.values()], f"{len(others)} others, at e = {FROM} {ends}")
-        draw_band(error, SAMPLES, [e_out - SAMPLES for e_out in others.values()])
+        draw_band(
+            value, SAMPLES, [*other_curves.values()], f"{len(other_curves)} others, at e = {FROM} {ends}"
+        )
+        draw_band(error, SAMPLES, [e_out - SAMPLES for e_out in other_curves.values()])
         value.set(
             xlabel="prescribed restitution e", ylabel="realised restitution", xlim=(0, 1), ylim=(0, 1.02)
         )

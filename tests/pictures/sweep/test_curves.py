@@ -88,10 +88,10 @@ def test_a_sentence_on_gaps_names_the_panels_with_these_gaps():
     names_with_gaps = [
         axes.get_title().split(" [")[0] for axes in page.axes if np.isnan(axes.lines[0].get_ydata()).any()
     ]
-    shown = shown_quantities_of(runs).drawn_quantities
-    assert 0 < len(names_with_gaps) < len(shown)
+    shown_quantities = shown_quantities_of(runs).drawn_quantities
+    assert 0 < len(names_with_gaps) < len(shown_quantities)
     sentence = f"lines of {' and '.join(names_with_gaps)} break where the number of impacts changes"
-    assert gaps_text(runs, shown, runs.design.variations[0]) == sentence
+    assert gaps_text(runs, shown_quantities, runs.design.variations[0]) == sentence
 
 
 @pytest.mark.parametrize(

@@ -74,8 +74,8 @@ def jumps_between(values: np.ndarray) -> np.ndarray:
     if np.isfinite(steps).sum() < FEWEST_STEPS:
         return np.ones(len(steps), bool)
     known_steps, directions = np.nan_to_num(steps), np.sign(np.nan_to_num(steps))
-    before, after = np.append(0.0, known_steps[:-1]), np.append(known_steps[1:], 0.0)
-    neighbour_steps = np.maximum(directions * before, directions * after)
+    previous_steps, next_steps = np.append(0.0, known_steps[:-1]), np.append(known_steps[1:], 0.0)
+    neighbour_steps = np.maximum(directions * previous_steps, directions * next_steps)
     small_step = SMALL_STEP * (np.nanmax(values) - np.nanmin(values))
     return np.asarray(~(np.abs(steps) <= np.maximum(LARGE_STEP * neighbour_steps, small_step)))
 

@@ -58,7 +58,7 @@ DECADE = 10.0
 LEAST_COURSE = 3  # the least number of results whose course is told
 # Sentences on gaps; {} is replaced by the names of the panels. JUMP_GAPS: each gap is where the number of
 # impacts changes and the value jumps; COUNT_GAPS: each gap is where the number changes, and each such place
-# is a gap; NO_LINES: fewer than LEAST_JOINED of the pairs of neighbours are joined
+# is a gap; NO_LINES: too few pairs of neighbours are joined, see ``joined_pairs``
 JUMP_GAPS = "lines{} break at jumps where the number of impacts changes"
 COUNT_GAPS = "lines{} break where the number of impacts changes"
 NO_LINES = "no lines{}: the number of impacts changes between most runs"
