@@ -127,6 +127,13 @@ def test_values_that_hardly_change_are_drawn_as_changes(result):
     assert "Δ: change since the onset" in [text.get_text() for text in page.texts]
 
 
+def test_the_label_of_a_change_has_the_whole_name_of_the_output(result):
+    (axes,) = result.plot(curves=["link[3].angle", "link[4].angle"], around=2).axes
+    labels = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert [label.split()[0] for label in labels[:2]] == ["link[3].angle", "link[4].angle"]
+    assert all(label.endswith(" rad") for label in labels[:2])
+
+
 def test_the_view_around_a_lasting_contact_shows_its_pulse():
     block = simulate(load_scene("rocking_block").with_values({"simulation.stop_time": 1.6}))
     page = block.plot(curves="contact[1].y_min.force", around=4)

@@ -333,7 +333,10 @@ def draw_all(
         else:
             axes.set(ylim=ZERO_ENDS, yticks=[0.0])
         handles = [*axes.get_legend_handles_labels()[0], *(keys if axes is grid[0] else [])]
-        legend_above(axes, handles, {f"{name}{end}": f"{brief[name]}{end}" for name, end in changes.items()})
+        # a change has the whole name of the output: "link[1].angle − 1.2 rad"
+        legend_above(
+            axes, handles, {f"{n}{end}": f"{n if end else brief[n]}{end}" for n, end in changes.items()}
+        )
     return labels
 
 
