@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from chain_impact import CONTACT_LAWS, compare, load_scene
-from chain_impact.cli.screen import law_table, plain_lines, summary, table_of, variable_lines
+from chain_impact.cli.screen import borderless_table, law_table_parts, plain_lines, summary, variable_lines
 from chain_impact.recording.summary import NO_NUMBER
 from chain_impact.scene.settings import with_settings
 from chain_impact.simulation.simulate import simulate
@@ -24,7 +24,7 @@ def test_an_impulse_and_a_law_without_a_result_have_a_row():
     impulse = replace(hertz, duration=0.0, max_penetration=0.0, peak_force=0.0)
     no_numbers = dict.fromkeys(("restitution", "peak_force"), math.nan)
     failed = replace(other_runs[0], result=None, note="cannot start", **no_numbers)
-    _, table, *_ = law_table(replace(comparison, runs=(impulse, failed, *other_runs[1:])))
+    _, table, *_ = law_table_parts(replace(comparison, runs=(impulse, failed, *other_runs[1:])))
     lines = [line.strip() for line in plain_lines(table)]
     first, second = (next(line for line in lines if line.startswith(run.law)) for run in (impulse, failed))
     assert first.split()[2:5] == ["–", "0.000", "0.000"]
@@ -72,7 +72,7 @@ def test_without_impacts_there_is_no_table_of_them():
 
 
 def test_the_columns_are_aligned():
-    _, table, *_ = law_table(compare(default_scene()))
+    _, table, *_ = law_table_parts(compare(default_scene()))
     head, *rows = plain_lines(table)
     end = head.index("steps") + len("steps")
     assert [row.split()[0] for row in rows] == list(CONTACT_LAWS)
@@ -96,11 +96,11 @@ def test_the_list_of_impacts_tells_which_link_has_a_point():
 
 
 def test_elsewhere_lines_are_whole_and_have_no_spaces_at_their_end():
-    table = table_of(("name", "number"), numbers=("number",))
+    table = borderless_table(("name", "number"), numbers=("number",))
     table.add_row("[a]" * 2, "1")
     table.add_row("b" * 200, "23")
     assert [len(line) for line in plain_lines(table)] == [209] * 3
-    assert not any(line.endswith(" ") for line in plain_lines(table_of(("name", "text"))))
+    assert not any(line.endswith(" ") for line in plain_lines(borderless_table(("name", "text"))))
 
 
 def test_the_list_of_impacts_has_their_durations_and_tells_which_last():

@@ -9,7 +9,7 @@ import pytest
 from chain_impact.compilation import browser, prebuilt
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.library import browser_module
-from chain_impact.pages.assembly import text_of
+from chain_impact.pages.assembly import browser_text
 from tests.helpers.scenes.law_texts import LAW, SINH
 from tests.tiers import needs_compilers
 
@@ -39,7 +39,7 @@ def sections(content):
 
 
 def test_the_exports_are_those_that_pages_use():
-    exports_in_use = re.findall(r"\bexports\.(\w+)", text_of("solver/kernel.js"))
+    exports_in_use = re.findall(r"\bexports\.(\w+)", browser_text("solver/kernel.js"))
     assert set(exports_in_use) == {*browser.EXPORTS, "memory"}
 
 

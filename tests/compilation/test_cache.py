@@ -16,7 +16,7 @@ from types import SimpleNamespace
 import platformdirs
 import pytest
 
-from chain_impact.cli.cache import contents
+from chain_impact.cli.cache import cache_lines
 from chain_impact.compilation import cache, folders
 from chain_impact.compilation.cache import clear, entries, get_or_make, present_kernel_folder
 from chain_impact.compilation.errors import BuildError
@@ -332,7 +332,7 @@ def test_files_of_the_cache_are_listed_and_removed():
         ("a.so",),
     )
     assert (linker_entry.path, linker_entry.files) == (zig, ())
-    lines = list(contents())
+    lines = list(cache_lines())
     assert lines[0].startswith("prebuilt ")
     assert "(in use): a.so" in "".join(lines)
     assert "of the linker" in "".join(lines)

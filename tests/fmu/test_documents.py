@@ -13,7 +13,7 @@ import pytest
 from lxml import etree
 
 from chain_impact import load_scene, model_names
-from chain_impact.fmu.documents import TERMINALS_FILE, documents, page, terminals_and_icons
+from chain_impact.fmu.documents import TERMINALS_FILE, documentation_page, documents, terminals_and_icons
 from chain_impact.pictures.chain_at_start import icon
 from chain_impact.variables.prepared import PreparedScene
 
@@ -26,7 +26,7 @@ SVG = "{http://www.w3.org/2000/svg}"
 
 
 def drawing_of(scene):
-    text = page(PreparedScene(scene), 3)
+    text = documentation_page(PreparedScene(scene), 3)
     return ElementTree.fromstring(text[text.index("<svg") : text.index("</svg>") + len("</svg>")])
 
 
@@ -65,18 +65,21 @@ def test_an_arm_is_drawn_as_it_hangs():
 
 def test_settings_of_matplotlib_change_no_picture_of_a_scene():
     prepared_scene = PreparedScene(load_scene("ramp"))
-    pictures = page(prepared_scene, 2), icon(prepared_scene.scene)
+    pictures = documentation_page(prepared_scene, 2), icon(prepared_scene.scene)
     with mpl.rc_context({"font.size": 20.0, "savefig.facecolor": "black", "lines.linewidth": 9.0}):
-        assert (page(PreparedScene(load_scene("ramp")), 2), icon(prepared_scene.scene)) == pictures
+        assert (
+            documentation_page(PreparedScene(load_scene("ramp")), 2),
+            icon(prepared_scene.scene),
+        ) == pictures
 
 
 def test_the_documentation_page_has_the_author_and_a_row_for_each_kind():
     values = {"author": "Jane <Doe>", "version": "1.2", "copyright": "2026 Jane Doe", "license": "MIT"}
     prepared_scene = PreparedScene(load_scene("four_link_box").with_values(values))
-    text = page(prepared_scene, 2)
+    text = documentation_page(prepared_scene, 2)
     table = text[text.index("Variables by kind") : text.index("<details>")]
     assert "Author: Jane &lt;Doe&gt;; Version: 1.2; Copyright: 2026 Jane Doe; License: MIT" in text
-    assert "Author" not in page(PreparedScene(load_scene("four_link_box")), 2)
+    assert "Author" not in documentation_page(PreparedScene(load_scene("four_link_box")), 2)
     for kind, count in Counter(variable.kind.pattern for variable in prepared_scene.variables).items():
         assert table.count(f"<tr><td>{escape(kind)}</td><td>{count}</td>") == 1
 

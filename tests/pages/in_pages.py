@@ -13,7 +13,7 @@ from PIL import Image
 
 from chain_impact import load_scene, simulate
 from chain_impact.compilation.library import browser_module
-from chain_impact.pages.explore import compressed_text, contents
+from chain_impact.pages.explore import compressed_text, explore_contents
 from tests.pages.javascript import function_of
 
 DESK, PHONE, ON_ITS_SIDE = (
@@ -54,7 +54,7 @@ def until_text(page, text, element="subtitle"):
 
 def page_contents(scene):
     """Return a page's data of a scene: the contents of its file, and the data for all scenes."""
-    return json.loads(json.dumps(contents(scene, [])))
+    return json.loads(json.dumps(explore_contents(scene, [])))
 
 
 def without_advice(refusal):

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import quickjs
 
-from chain_impact.pages.assembly import program, text_of
+from chain_impact.pages.assembly import browser_text, program
 from chain_impact.pages.explore import TOML
 
 BROWSER = f"""
 const structuredClone = (value) => JSON.parse(JSON.stringify(value));
 const TOML = {{}};
-(function (exports) {{ {text_of(TOML)} }})(TOML);
+(function (exports) {{ {browser_text(TOML)} }})(TOML);
 """
 """The parts of a page that the modules need: a function of browsers, and the reader of scene files."""
 

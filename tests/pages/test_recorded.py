@@ -14,8 +14,8 @@ import quickjs
 
 from chain_impact import Recording, load_scene, model_names, simulate
 from chain_impact.pages import explore, recorded
-from chain_impact.pages.assembly import FRAGMENTS, PAGE, STYLES, module_files, program, text_of
-from chain_impact.pages.recorded import data, page
+from chain_impact.pages.assembly import FRAGMENTS, PAGE, STYLES, browser_text, module_files, program
+from chain_impact.pages.recorded import data, recorded_page
 from chain_impact.studies.animate import record_slowly
 from tests.helpers.scenes.friction import pendulum, sled
 from tests.helpers.scenes.stops import knee_scene
@@ -44,7 +44,7 @@ def recording():
 
 
 def html(recording):
-    return page(recording, 1.0, 0.6)
+    return recorded_page(recording, 1.0, 0.6)
 
 
 def unpacked(packed):
@@ -165,13 +165,13 @@ def test_a_name_cannot_break_the_page(recording):
 @pytest.mark.full("more cases", but=6)
 @pytest.mark.parametrize("model", model_names())
 def test_the_page_of_every_model_is_small_and_needs_nothing_else(model):
-    text = explore.page(load_scene(model), [model])
+    text = explore.explore_page(load_scene(model), [model])
     assert len(text.encode()) < 900_000
     assert_alone(text)
 
 
 def test_a_law_has_a_sentence_with_its_range_and_source():
-    groups = data_of(explore.page(load_scene("rod_drop"), []))["kit"]["parameters"]
+    groups = data_of(explore.explore_page(load_scene("rod_drop"), []))["kit"]["parameters"]
     rows = {row["name"]: row for group in groups for row in group["rows"]}
     sentences = dict(rows["contact.model"]["items"])
     assert (
@@ -186,7 +186,7 @@ def test_the_modules_are_one_program(name):
     assert not re.search(r"^(import|export)\b", text, re.MULTILINE)
     quickjs.Context().get("Function")(f"async () => {{\n{text}\n}}")
     # the modules share one scope, in which a second function of a name would silently replace the first
-    sources = "".join(map(text_of, module_files(name)))  # whose lines at the top level are not indented
+    sources = "".join(map(browser_text, module_files(name)))  # whose lines at the top level are not indented
     declared = re.findall(
         r"^(?:export )?(?:async )?(?:function\*?|class|const|let|var) (\w+)", sources, re.MULTILINE
     )

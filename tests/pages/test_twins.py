@@ -26,7 +26,7 @@ import quickjs
 import chain_impact
 from chain_impact import load_scene, model_names, simulate
 from chain_impact.map_colours import WIDE_COLOURS, colour_ends, count_bins, value_ratio
-from chain_impact.pages.assembly import text_of
+from chain_impact.pages.assembly import browser_text
 from chain_impact.pages.drawn import GROUPS, drawn_entries
 from chain_impact.pages.recorded import data, free_sides, impacts
 from chain_impact.pictures.drawing.style import LOAD
@@ -316,7 +316,9 @@ def test_words_of_rates_units_and_angles(script):
 
 
 def test_colours_of_films_are_those_of_pages():
-    light = dict(re.findall(r"--([\w-]+): (#\w{6});", text_of("player/style.css").partition("@media")[0]))
+    light = dict(
+        re.findall(r"--([\w-]+): (#\w{6});", browser_text("player/style.css").partition("@media")[0])
+    )
     colours = {"muted": MUTED, "force": FORCE, "load": LOAD, **ENERGIES}
     del colours["total"]  # black in a film
     assert {name: light[name] for name in colours} == colours

@@ -15,7 +15,7 @@ from chain_impact.pictures.drawing.style import drawing_style
 from chain_impact.pictures.drawing.used_pixels import UsedPixels
 from chain_impact.pictures.motion.named_points import NAME
 from chain_impact.pictures.over_time.impacts import LANE
-from chain_impact.pictures.overview import draw_overview, usual_size
+from chain_impact.pictures.overview import draw_overview, usual_overview_size
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.files.models import model_names
 from chain_impact.scene.half_planes import half_planes
@@ -102,7 +102,7 @@ def page_of(recording):
     """
     if id(recording) not in _PAGES:
         page = figures.draw_figure(
-            functools.partial(draw_overview, recording=recording), usual_size=usual_size(recording)
+            functools.partial(draw_overview, recording=recording), usual_size=usual_overview_size(recording)
         )
         page.draw_without_rendering()
         # the recording is kept, too, so that no other recording gets the same id
@@ -126,7 +126,7 @@ def motion_of(recording):
     """Return the axes of the motion, drawn without other panels; they are drawn once and cached."""
     if id(recording) not in _MOTIONS:
         parts = functools.partial(draw_overview, recording=recording, panels=["motion"], title=None)
-        page = figures.draw_figure(parts, usual_size=usual_size(recording))
+        page = figures.draw_figure(parts, usual_size=usual_overview_size(recording))
         page.draw_without_rendering()
         _MOTIONS[id(recording)] = recording, page
     return panel_of(_MOTIONS[id(recording)][1], "motion")

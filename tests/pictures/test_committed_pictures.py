@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from chain_impact.pictures.drawing.style import metadata_of
+from chain_impact.pictures.drawing.style import picture_metadata
 from chain_impact.scene.files.models import model_names
 from docs.tools.images import MODELS_OF_PROGRAMS
 from tests.pictures.pictures import page_of, recorded
@@ -30,7 +30,7 @@ def lines(words):
 @pytest.mark.full("more cases", but="arm_at_stop")
 @pytest.mark.parametrize("model", sorted({*model_names()} - MODELS_OF_PROGRAMS))
 def test_the_picture_of_a_model_says_what_the_code_says(model):
-    metadata = metadata_of(page_of(recorded(model))[0])
+    metadata = picture_metadata(page_of(recorded(model))[0])
     with Image.open(IMAGES / f"{model}.png") as picture:
         assert picture.text["Title"] == metadata["Title"]
         assert lines(picture.text) == lines(metadata)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from chain_impact import UnknownNameError, load_scene, simulate
-from chain_impact.pictures.curve_looks import looks_of
+from chain_impact.pictures.curve_looks import look_indices
 from chain_impact.pictures.curve_peaks import extremes, largest_vectors
 from chain_impact.pictures.curves import NO_FORCE, narrow_peak
 from chain_impact.pictures.drawing.style import LOAD, PALETTE, PEAK_COLOUR
@@ -212,33 +212,33 @@ def test_more_curves_of_a_unit_than_colours_have_a_panel_for_each_quantity(resul
 
 def test_an_owner_has_one_look_in_all_panels():
     places: dict[str, int] = {}
-    assert looks_of(["link[1].angle", "link[2].angle", "link[3].angle"], places) == [0, 1, 2]
-    assert looks_of(["link[3].angular_velocity", "point[1].vx"], places) == [2, 0]
+    assert look_indices(["link[1].angle", "link[2].angle", "link[3].angle"], places) == [0, 1, 2]
+    assert look_indices(["link[3].angular_velocity", "point[1].vx"], places) == [2, 0]
     points, links = [f"point[{k}].y" for k in range(3)], ["link[1].angle", "link[2].angle"]
     places = {}
-    assert [looks_of(names, places) for names in (points, links)] == [[0, 1, 2], [1, 2]]
+    assert [look_indices(names, places) for names in (points, links)] == [[0, 1, 2], [1, 2]]
 
 
 def test_the_components_of_an_owner_have_its_colour_and_other_dashes():
     indices_of_bodies: dict[str, int] = {}
-    looks_of(["joint[1].peak_force", "joint[2].peak_force"], indices_of_bodies)
+    look_indices(["joint[1].peak_force", "joint[2].peak_force"], indices_of_bodies)
     components = ["joint[2].impulse.x", "joint[2].impulse.y", "joint[1].impulse.x"]
     count = len(PALETTE)
-    assert looks_of(components, indices_of_bodies) == [1, 1 + count, 0]
+    assert look_indices(components, indices_of_bodies) == [1, 1 + count, 0]
 
 
 def test_the_contacts_of_a_point_have_the_colour_of_the_point():
     places: dict[str, int] = {}
-    assert looks_of(["point[2].y", "point[4].y"], places) == [0, 1]
+    assert look_indices(["point[2].y", "point[4].y"], places) == [0, 1]
     contacts = ["contact[4].x_max.force", "contact[4].y_min.force", "contact[2].y_min.force"]
-    assert looks_of(contacts, places) == [1, 2, 0]  # the second wall has the colour of no point
-    assert looks_of(contacts[1:], places) == [2, 0]
+    assert look_indices(contacts, places) == [1, 2, 0]  # the second wall has the colour of no point
+    assert look_indices(contacts[1:], places) == [2, 0]
     places = {f"point[{k}]": k for k in range(len(PALETTE))}
-    assert looks_of(contacts[:2], places) == [
+    assert look_indices(contacts[:2], places) == [
         4,
         4 + len(PALETTE),
     ]  # without a colour of its own, a second wall has dashes
-    assert looks_of([f"contact[4].wall{k}.force" for k in range(4)], places) == [0, 1, 2, 3]
+    assert look_indices([f"contact[4].wall{k}.force" for k in range(4)], places) == [0, 1, 2, 3]
 
 
 @pytest.mark.full("takes long")

@@ -24,7 +24,7 @@ from chain_impact.pictures.first_order import (
     with_small_steps,
 )
 from chain_impact.pictures.rows_of_impacts import is_outside_impacts, is_shifted, short_contacts
-from chain_impact.pictures.sensitivities import LARGEST_EFFECTS, draw_sensitivities, looks_of
+from chain_impact.pictures.sensitivities import LARGEST_EFFECTS, draw_sensitivities, looks_of_parameters
 from chain_impact.pictures.sensitivity_table import ADDED_HEADING, MOST_TABLE_ROWS
 from chain_impact.scene.texts.plain_names import plain_name
 from tests.helpers.scenes.problems import flat_rod
@@ -162,7 +162,7 @@ def test_the_most_important_of_many_parameters_have_colours():
 )
 def test_the_legend_counts_the_other_parameters(names, expected):
     sensitivities = SimpleNamespace(parameters=dict.fromkeys(names, 1.0), step_text=lambda _: "1 %")
-    looks = looks_of(sensitivities, np.arange(len(names), 0.0, -1.0)[None], {}, is_brief=False)
+    looks = looks_of_parameters(sensitivities, np.arange(len(names), 0.0, -1.0)[None], {}, is_brief=False)
     assert looks[-1]["label"] == expected
 
 

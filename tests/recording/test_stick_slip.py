@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from chain_impact import Chain, simulate
-from chain_impact.cli.screen import stick_slip_table
+from chain_impact.cli.screen import stick_slip_parts
 from chain_impact.recording.csv_file import read_csv
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import (
@@ -99,7 +99,7 @@ def test_a_result_without_friction_has_none_and_says_nothing():
     result = simulate("rod_drop", 0.1)
     assert (len(result.stick_slip), result.stick_slip.dtype) == (0, STICK_SLIP_DTYPE)
     assert "friction" not in repr(result)
-    assert list(stick_slip_table(result)) == []
+    assert list(stick_slip_parts(result)) == []
 
 
 def test_the_phases_alternate_with_the_outputs():
@@ -142,7 +142,7 @@ def test_a_table_of_outputs_has_them_again(tmp_path):
 
 def test_the_screen_shows_the_first_ones():
     result = simulate(pendulum(), output_step=0.5)
-    table, mode = stick_slip_table(result)
+    table, mode = stick_slip_parts(result)
     assert mode.startswith("mode     slip + along +x")
     assert (table.row_count, [column.header for column in table.columns][2]) == (
         len(result.stick_slip),
@@ -150,7 +150,7 @@ def test_the_screen_shows_the_first_ones():
     )
     count = 4 * len(result.stick_slip)
     vars(result)["stick_slip"] = np.concatenate([result.stick_slip] * 4)
-    table, more_text, _ = stick_slip_table(result)
+    table, more_text, _ = stick_slip_parts(result)
     assert table.row_count == 8
     rest = vars(result)["stick_slip"][8:]
     assert more_text.startswith(
@@ -164,7 +164,7 @@ def test_the_screen_points_to_a_result_only_where_there_is_one(tmp_path):
     simulate(pendulum(), output_step=0.01).save_csv(tmp_path / "pendulum.csv")
     recording = read_csv(tmp_path / "pendulum.csv", pendulum())
     longer_recording = replace(recording, stick_slip=np.concatenate([recording.stick_slip] * 4))
-    more_line = next(part for part in stick_slip_table(longer_recording) if "more phase" in str(part))
+    more_line = next(part for part in stick_slip_parts(longer_recording) if "more phase" in str(part))
     assert "Result" not in str(more_line)
 
 

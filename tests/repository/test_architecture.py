@@ -131,6 +131,29 @@ def test_no_two_files_define_a_class_of_the_same_name():
     assert {name for name, count in counts.items() if count > 1} == set()
 
 
+SHARED_FUNCTION_NAMES = {
+    "add": "each command adds its arguments to the parser",
+    "run": "each command executes its options",
+    "main": "the entry of a program",
+}
+"""Name that several modules give a public function → reason."""
+
+
+def test_no_two_files_define_a_public_function_of_the_same_name():
+    """The kernel has rules for dual numbers of the same names, and files whose text names the compiled
+    kernels are exempt, too."""
+    exempt_rooms = {"kernel", "compilation", "user_laws", "packaging"}
+    counts = Counter(
+        node.name
+        for room, files in ROOMS_OF_NAMES.items()
+        if room not in exempt_rooms
+        for file in files
+        for node in ast.parse(file.read_text("utf-8")).body
+        if isinstance(node, ast.FunctionDef) and not node.name.startswith("_")
+    )
+    assert {name for name, count in counts.items() if count > 1} == {*SHARED_FUNCTION_NAMES}
+
+
 PREPOSITIONS = {
     *("above", "across", "after", "against", "along", "among", "around", "at", "before", "behind", "below"),
     *(

@@ -7,7 +7,7 @@ import pytest
 from chain_impact import SceneError, load_scene, simulate, sweep
 from chain_impact.scene.scene import parse_scene
 from chain_impact.scene.texts.names import fmu_name
-from chain_impact.studies.fit.parameters import parameters_of
+from chain_impact.studies.fit.parameters import fitted_parameters
 from tests.helpers.scenes.stops import knee_scene
 
 FMU_NAMES = {
@@ -44,7 +44,7 @@ def test_values_sweeps_fits_and_derivatives_take_the_key(key):
     assert changed_scene == scene.with_values({FMU_NAMES[key]: value}) != scene
     rows = sweep(scene.with_values({"simulation.stop_time": 0.01}), {key: [value]})
     assert rows[FMU_NAMES[key]].tolist() == [value]
-    (parameter,) = parameters_of([changed_scene], [key], [], {key: (0.1, 0.9)})
+    (parameter,) = fitted_parameters([changed_scene], [key], [], {key: (0.1, 0.9)})
     assert (parameter.name, parameter.start, parameter.low, parameter.high) == (
         FMU_NAMES[key],
         value,

@@ -14,7 +14,7 @@ from chain_impact import Chain, SceneError, simulate
 from chain_impact.kernel.chain.prescribed_motion import travel_of_sines
 from chain_impact.kernel.chain.signals import rate_in_limited_drives, rate_of_signals
 from chain_impact.scene.scene import parse_scene
-from chain_impact.scene.signal_polynomials import spline_of_position, value_at_start
+from chain_impact.scene.signal_polynomials import spline_of_position, start_value_of_signal
 from chain_impact.simulation.derivatives import DifferentiatedRun
 from tests.helpers.kernel.plain import initialized
 from tests.helpers.scenes.signal_arm import ARM, HEIGHT, PUSH, TABLE, TARGET, TIMES, TORQUE, with_table
@@ -138,7 +138,7 @@ def test_a_signal_moves_the_chain_as_the_same_function_in_python_does(name):
 
 def at_start(scene, input_name):
     """Return the value of an input at the start, as the checks of a scene compute it."""
-    return value_at_start(scene.signals["drive"], input_name, scene.simulation.stop_time)
+    return start_value_of_signal(scene.signals["drive"], input_name, scene.simulation.stop_time)
 
 
 @pytest.mark.parametrize("name", FORMS)

@@ -7,13 +7,13 @@ import functools
 import pytest
 
 from chain_impact import compare, simulate
-from chain_impact.pictures.compare.headline import headline
-from chain_impact.pictures.compare.looks import looks_of
-from chain_impact.pictures.compare.plot import conditions
+from chain_impact.pictures.compare.headline import comparison_headline
+from chain_impact.pictures.compare.looks import looks_of_laws
+from chain_impact.pictures.compare.plot import comparison_conditions
 from chain_impact.scene.errors import SceneError
 from chain_impact.studies.changed_law import contact_with_law, keeps_exponents, law_values
 from chain_impact.studies.compare.compare import OVERLAPS
-from chain_impact.studies.compare.text import advice, heading, law_table, legend
+from chain_impact.studies.compare.text import advice, comparison_heading, law_table, legend
 from chain_impact.study_data.compared_impact import contact_at
 from tests.helpers.scenes.stops import UP, knee_scene
 
@@ -71,8 +71,8 @@ def test_laws_are_compared_at_a_stop(is_up):
     comparison = compare(scene, laws=["flores", "zhang_sharf", "newton_impact"])
     assert comparison.is_at_stop
     assert comparison.contact.restitution == 0.5
-    assert " kg·m² at " in heading(comparison)
-    assert heading(comparison).endswith("rad/s")
+    assert " kg·m² at " in comparison_heading(comparison)
+    assert comparison_heading(comparison).endswith("rad/s")
     assert law_table(comparison).head[2:4] == ("peak, N·m", "depth, mrad")
     run, first = comparison["zhang_sharf"], impacts(is_up)[0]
     assert run.stiffness == 1e4
@@ -93,7 +93,7 @@ def test_laws_are_compared_at_a_wall_where_stops_keep_their_law(kept_law):
     assert comparison.first_impact.tobytes() == at_wall.tobytes()
     assert not comparison.is_at_stop
     assert comparison.contact.restitution == 0.25
-    assert f"first impact at a wall at {at_wall['onset']:.6g} s" in heading(comparison)
+    assert f"first impact at a wall at {at_wall['onset']:.6g} s" in comparison_heading(comparison)
     assert law_table(comparison).head[2] == "peak, kN"
     assert legend(comparison).endswith(f"The stops keep {kept_law} under every law.")
     assert advice(comparison) == "within 5 % of e = 0.25 in this impact: zhang_sharf"
@@ -107,8 +107,10 @@ def test_laws_are_compared_at_a_wall_where_stops_keep_their_law(kept_law):
     viscous_run = comparison["kelvin_voigt"]
     energy = 0.5 * at_wall["effective_mass"] * at_wall["impact_speed"] ** 2
     assert depth(viscous_run.stiffness, 1.0, energy) == pytest.approx(depth(1e8, 1.5, energy), rel=1e-12)
-    assert "in the first impact, for e = 0.25" in headline(comparison)
-    assert conditions(comparison, looks_of(comparison)).startswith("first impact at a wall of ")
+    assert "in the first impact, for e = 0.25" in comparison_headline(comparison)
+    assert comparison_conditions(comparison, looks_of_laws(comparison)).startswith(
+        "first impact at a wall of "
+    )
 
 
 def test_a_contact_that_holds_while_the_compared_impact_begins_is_told():

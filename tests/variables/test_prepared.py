@@ -96,7 +96,7 @@ def test_a_new_instance_holds_nothing_but_the_scene():
         assert not any(instance[0][field].tobytes()), field
 
 
-PARTS = ("structure_of", "parameters_of", "inputs_of", "outputs_of")
+PARTS = ("structure_of", "parameters_of", "undriven_inputs", "outputs_of")
 
 
 def count_calls(monkeypatch):

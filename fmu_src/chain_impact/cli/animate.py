@@ -16,7 +16,7 @@ from chain_impact.cli.options import (
     add_verb,
     check_outputs,
     complete_scenes,
-    inputs_of,
+    input_table_of,
     load_scene_of,
     path_with_suffix,
     settings_of,
@@ -130,11 +130,11 @@ def record(options: argparse.Namespace) -> Recording:
     """
     from chain_impact.studies.animate import record_slowly
 
-    settings, inputs = settings_of(options.set), inputs_of(options)
+    settings, inputs = settings_of(options.set), input_table_of(options)
     if inputs and is_csv(options.source):
         raise UsageError(f"--inputs {inputs.file}: {options.source} is a table of a run that is over")
     if is_csv(options.source):
-        return read_table(Path(options.source), options.scene, settings)
+        return recording_of_table(Path(options.source), options.scene, settings)
     if options.scene:
         raise UsageError(f"--scene {options.scene}: only a CSV file needs it; {options.source} has its walls")
     with progress() as advance:
@@ -148,7 +148,7 @@ def is_csv(source: str) -> bool:
     return source.lower().endswith(".csv")
 
 
-def read_table(path: Path, scene: str | None, settings: dict[str, str]) -> Recording:
+def recording_of_table(path: Path, scene: str | None, settings: dict[str, str]) -> Recording:
     """Return the recording in a CSV file, which has outputs of a run over time.
 
     Args:

@@ -23,12 +23,12 @@ def run(options: argparse.Namespace) -> int:
     if options.clear:
         say(f"removed {cache.clear() / 1e6:.1f} MB from {folders.base_folder()}")
         return 0
-    for line in contents():
+    for line in cache_lines():
         say(line)
     return 0
 
 
-def contents() -> Iterator[str]:
+def cache_lines() -> Iterator[str]:
     """Yield a line on the prebuilt kernels of the installation, on the cache, and on each folder in it.
 
     The folder with the kernels of the present sources and compilers is marked "in use".

@@ -17,12 +17,12 @@ from chain_impact.cli.options import (
     check_look,
     check_outputs,
     load_scene_of,
-    names_in,
+    names_between_commas,
     write_picture,
 )
 from chain_impact.cli.printing import say
 from chain_impact.cli.progress_bar import progress
-from chain_impact.cli.screen import law_table, show
+from chain_impact.cli.screen import law_table_parts, show
 
 
 def add(verbs: Verbs) -> None:
@@ -54,11 +54,11 @@ def run(options: argparse.Namespace) -> int:
     check_outputs(options.csv, options.plot, inputs=filter(None, (options.source, options.inputs)))
     scene = load_scene_of(options)
     with progress("comparing") as advance:
-        comparison = compare(scene, advance, laws=names_in(*options.laws) or None)
+        comparison = compare(scene, advance, laws=names_between_commas(*options.laws) or None)
     if options.csv:
         comparison.save_csv(options.csv)
         say(f"table    {options.csv}")
     # the table is printed first, because drawing the picture fails if --size is too small
-    show(law_table(comparison))
+    show(law_table_parts(comparison))
     write_picture(options.plot, options.size, comparison.plot)
     return 0

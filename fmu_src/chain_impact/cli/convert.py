@@ -11,7 +11,7 @@ from chain_impact.cli.options import (
     add_repeated,
     add_verb,
     check_outputs,
-    names_in,
+    names_between_commas,
     path_with_suffix,
 )
 from chain_impact.cli.printing import say
@@ -57,7 +57,9 @@ def run(options: argparse.Namespace) -> int:
     from chain_impact.conversion.convert import convert, remark_lines
     from chain_impact.conversion.planar import ConversionChoices
 
-    choices = ConversionChoices(names_in(*options.joints), options.plane, options.tip, options.keyframe)
+    choices = ConversionChoices(
+        names_between_commas(*options.joints), options.plane, options.tip, options.keyframe
+    )
     is_to_mjcf = options.output.suffix.lower() == ".xml"
     for option, chosen_names in zip(("--joints", *SINGLE_OPTIONS), choices, strict=True):
         if chosen_names and is_to_mjcf:

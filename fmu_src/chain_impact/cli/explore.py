@@ -13,7 +13,7 @@ from chain_impact.cli.options import (
     add_set,
     add_verb,
     check_outputs,
-    inputs_of,
+    input_table_of,
     load_scene_with,
     path_with_suffix,
 )
@@ -54,7 +54,7 @@ def run(options: argparse.Namespace) -> int:
 
     file = options.output or DEFAULT
     check_outputs(file, inputs=[options.source])
-    inputs = inputs_of(options)
+    inputs = input_table_of(options)
     scene = load_scene_with(options.source, options.set, inputs)
     command = [options.source, *(word for setting in options.set for word in ("--set", setting))]
     if inputs:

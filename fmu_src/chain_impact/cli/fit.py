@@ -17,7 +17,7 @@ from chain_impact.cli.options import (
     check_look,
     check_outputs,
     complete_scenes,
-    names_in,
+    names_between_commas,
     pairs,
     settings_of,
     write_picture,
@@ -92,7 +92,7 @@ def run(options: argparse.Namespace) -> int:
     """Fit the parameters, print the result and write files; return the exit code."""
     from chain_impact.studies.fit.fit import fit
 
-    data = [names_in(text) for text in options.data]
+    data = [names_between_commas(text) for text in options.data]
     check_look(options)
     check_outputs(options.scene, options.plot, inputs=[options.source, *chain.from_iterable(data)])
     settings = settings_of(options.set)
@@ -102,12 +102,12 @@ def run(options: argparse.Namespace) -> int:
         result = fit(
             scene,
             data,
-            names_in(*options.free),
-            free_each=names_in(*options.free_each),
+            names_between_commas(*options.free),
+            free_each=names_between_commas(*options.free_each),
             set_each={name: parsed_numbers(name, text) for name, text in set_each.items()},
             sigma=pairs("--sigma", options.sigma, "point[4].x=1e-3"),
             bounds=pairs("--bounds", options.bounds, "contact.restitution=0.3:0.9"),
-            columns=names_in(options.columns) if options.columns else None,
+            columns=names_between_commas(options.columns) if options.columns else None,
             laws=options.laws,
             stop_time=scene.simulation.stop_time if STOP_TIME_KEY in settings else None,
             interpolation=options.interpolation,

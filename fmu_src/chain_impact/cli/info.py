@@ -13,7 +13,7 @@ from rich.text import Text
 from chain_impact.cli.completers import is_fmu
 from chain_impact.cli.options import Verbs, add_scene, add_verb
 from chain_impact.cli.printing import out, say
-from chain_impact.cli.screen import headline, variable_lines
+from chain_impact.cli.screen import headline_lines, variable_lines
 from chain_impact.fmu.importer import read_fmu
 from chain_impact.fmu.platforms import platforms_of
 from chain_impact.fmu.run import EXPERIMENT_SETTINGS
@@ -85,7 +85,7 @@ def run(options: argparse.Namespace) -> int:
     out.print(Text.assemble((name, "bold"), f"  {description}"), soft_wrap=True)
     for key, value in facts:
         say(f"  {key} = {value}")
-    out.print(headline("Variables of the FMU"))
+    out.print(headline_lines("Variables of the FMU"))
     for line in variable_lines(variables, out.width):
         say(line)
     return 0

@@ -119,10 +119,10 @@ def add_inputs(
 
 def load_scene_of(options: argparse.Namespace) -> Scene:
     """Return the scene ``source`` with the values of ``--set`` and the table ``--inputs``, where given."""
-    return load_scene_with(options.source, options.set, inputs_of(options))
+    return load_scene_with(options.source, options.set, input_table_of(options))
 
 
-def inputs_of(options: argparse.Namespace) -> InputTable | None:
+def input_table_of(options: argparse.Namespace) -> InputTable | None:
     """Return the table ``--inputs`` and its interpolation, or None without a table.
 
     Raises:
@@ -203,7 +203,7 @@ def add_plot(command: argparse.ArgumentParser, help_text: str) -> None:
         "--size",
         action=SingleOption,
         metavar="MM",
-        type=figure_size,
+        type=parsed_figure_size,
         help="width of the picture in millimetres, as 84, or width and height, as 120x150",
     )
     add_style(command)
@@ -246,7 +246,7 @@ def drawing_in_style(options: argparse.Namespace) -> Iterator[None]:
         yield
 
 
-def figure_size(text: str) -> Size:
+def parsed_figure_size(text: str) -> Size:
     """Return width and height of a picture [inches] from a text with millimetres, such as 84 or 120x150.
 
     Without a height in the text, the height is None: then the contents of the picture determine the height.
@@ -367,7 +367,7 @@ def pairs(option: str, texts: Sequence[str], example: str) -> dict[str, str]:
     return values
 
 
-def names_in(*texts: str) -> list[str]:
+def names_between_commas(*texts: str) -> list[str]:
     """Return the names in all ``texts``, in each of which commas separate names."""
     return [part.strip() for text in texts for part in text.split(",") if part.strip()]
 

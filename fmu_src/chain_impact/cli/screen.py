@@ -33,7 +33,13 @@ from chain_impact.results.result import Result
 from chain_impact.scene.keys.tables import Box
 from chain_impact.scene.texts.unit_text import unit_text
 from chain_impact.studies.compare.compare import Comparison
-from chain_impact.studies.compare.text import advice, format_number, heading, law_table as compared, legend
+from chain_impact.studies.compare.text import (
+    advice,
+    comparison_heading,
+    format_number,
+    law_table as compared,
+    legend,
+)
 from chain_impact.text import TextTable, count_text
 
 # matches the separators in the description of a variable such as solver.status, before each number with a
@@ -53,7 +59,7 @@ SIDES = {side.name: side.metadata["description"] for side in fields(Box)}
 """Name of a wall of the box → words for its place."""
 
 
-def table_of(head: Sequence[str], numbers: Sequence[str] = ()) -> Table:
+def borderless_table(head: Sequence[str], numbers: Sequence[str] = ()) -> Table:
     """Return a table without rows and borders, whose columns have the heads ``head``.
 
     ``numbers`` are the heads of the columns that are aligned to the right.
@@ -86,7 +92,7 @@ def plain_lines(table: Table) -> Iterator[str]:
     yield from (line.rstrip() for line in captured.get().splitlines())
 
 
-def headline(bold_text: str, other_text: str = "") -> Text:
+def headline_lines(bold_text: str, other_text: str = "") -> Text:
     """Return an empty line, and a line with the text ``bold_text`` in bold, then ``other_text``."""
     return Text.assemble("\n", (bold_text, "bold"), other_text)
 
@@ -130,12 +136,12 @@ def summary(recording: Recording) -> Iterator[RenderableType]:
     impacts = count_text(count, "impact")
     if listed_count < count:
         impacts += f", {listed_count} listed: an FMU shows only the latest in a communication step"
-    yield headline(recording.name, f"  0 … {recording.time[-1]:g} s, {impacts}")
+    yield headline_lines(recording.name, f"  0 … {recording.time[-1]:g} s, {impacts}")
     for part in with_screen_tables(impact_list(recording, LISTED_IMPACTS)):
         yield f"{part}; --impacts FILE writes all" if isinstance(part, str) else part
     yield from meanings(recording)
     yield from passed_wall_lines(recording)
-    yield from stick_slip_table(recording)
+    yield from stick_slip_parts(recording)
     yield from rest_lines(recording)
     yield from load_lines(recording)
     yield from energy_lines(recording.energies)
@@ -147,7 +153,7 @@ def with_screen_tables(parts: Iterable[str | TextTable]) -> Iterator[RenderableT
         if isinstance(part, str):
             yield part
             continue
-        table = table_of(part.head)
+        table = borderless_table(part.head)
         for row in part.rows:
             table.add_row(*row)
         yield table
@@ -194,7 +200,7 @@ def site_numbers(recording: Recording) -> str:
     return ", ".join(parts) or f"from {first} on the points of links"
 
 
-def stick_slip_table(recording: Recording) -> Iterator[RenderableType]:
+def stick_slip_parts(recording: Recording) -> Iterator[RenderableType]:
     """Yield a table of the first phases of sticking and sliding, and explanations.
 
     Nothing is yielded if the recording has no phases.
@@ -202,7 +208,7 @@ def stick_slip_table(recording: Recording) -> Iterator[RenderableType]:
     phases = recording.stick_slip
     if not len(phases):
         return
-    table = table_of(("start, s", "end, s", "dry friction", "mode"), ("start, s", "end, s"))
+    table = borderless_table(("start, s", "end, s", "dry friction", "mode"), ("start, s", "end, s"))
     for phase in phases[:PHASES]:
         table.add_row(*phase_cells(phase, recording.wall_names, recording.point_names))
     yield table
@@ -235,8 +241,8 @@ def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:
     head = ("#", "onset, ms", *(f"{word}, %" for word in CHANGE_COLUMNS.values()))
     for k, parameter in enumerate(sensitivities.parameters):
         change_text = f"{parameter} + {sensitivities.step_text(parameter)}"
-        yield headline(f"Change of the impacts for {change_text}")
-        table = table_of(head, head[1:])
+        yield headline_lines(f"Change of the impacts for {change_text}")
+        table = borderless_table(head, head[1:])
         for row in range(len(sensitivities.impacts)):
             cells = (column[row, k] for column in columns)
             table.add_row(str(row + 1), *(format_number(cell, "+.3g") if cell else "0" for cell in cells))
@@ -245,11 +251,11 @@ def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:
         yield f"limit    {limit}"
 
 
-def law_table(comparison: Comparison) -> Iterator[RenderableType]:
+def law_table_parts(comparison: Comparison) -> Iterator[RenderableType]:
     """Yield a heading, the table of a comparison of laws, the legend of the table, and advice on the laws."""
-    yield f"\n{heading(comparison)}"
+    yield f"\n{comparison_heading(comparison)}"
     laws = compared(comparison)
-    table = table_of(laws.head, laws.head[1:-1])
+    table = borderless_table(laws.head, laws.head[1:-1])
     for row in laws.rows:
         table.add_row(*row)
     yield table

@@ -22,8 +22,8 @@ from chain_impact.cli.options import (
     add_verb,
     check_look,
     check_outputs,
-    inputs_of,
-    names_in,
+    input_table_of,
+    names_between_commas,
     path_with_suffix,
     write_picture,
 )
@@ -98,7 +98,12 @@ class PictureChoice:
     @classmethod
     def chosen_in(cls, options: argparse.Namespace) -> PictureChoice:
         """Return the choice that the options of ``_add_derivatives`` and ``_add_picture`` make."""
-        return cls(names_in(*options.sensitivity), options.rank, names_in(*options.curves), options.around)
+        return cls(
+            names_between_commas(*options.sensitivity),
+            options.rank,
+            names_between_commas(*options.curves),
+            options.around,
+        )
 
     @property
     def is_motion(self) -> bool:
@@ -251,11 +256,11 @@ def run(options: argparse.Namespace) -> int:
     check_look(options)
     window = open_window() if options.show else None
     simulate_and_tell(
-        Source(options.source, options.set, inputs_of(options)),
+        Source(options.source, options.set, input_table_of(options)),
         Canvas(options.plot, options.size, window),
         PictureChoice.chosen_in(options),
         csv=options.csv,
-        columns=names_in(*options.columns),
+        columns=names_between_commas(*options.columns),
         impacts=options.impacts,
         check=options.check,
     )

@@ -21,7 +21,7 @@ from chain_impact.cli.options import (
     check_look,
     check_outputs,
     load_scene_of,
-    names_in,
+    names_between_commas,
     pairs,
     settings_of,
     write_picture,
@@ -97,7 +97,7 @@ def run(options: argparse.Namespace) -> int:
     check_outputs(table, options.plot, inputs=filter(None, (options.source, options.inputs)))
     scene = load_scene_of(options)
     vary = variations(options.vary, settings_of(options.set))
-    panels, wanted_columns = names_in(*options.panels), names_in(*options.columns)
+    panels, wanted_columns = names_between_commas(*options.panels), names_between_commas(*options.columns)
     if panels and not options.plot:
         raise UsageError("--panels: they are panels of a picture: give --plot FILE too")
     if options.plot:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.conversion.differences import Difference, SceneAspect
-from chain_impact.conversion.robot import LinkShape, Plane, identifier, outline
+from chain_impact.conversion.robot import LinkShape, Plane, identifier, shape_outline
 
 POINT = re.compile(r"point\[\d+\]")  # matches the names that ``point_name`` gives to shapes
 BITS = 16  # MuJoCo stores a pair of bodies that may not touch as one integer: (first << BITS) + second
@@ -128,8 +128,8 @@ class Contacts:
             corners = np.array(model.mesh_vert[start : start + model.mesh_vertnum[m]], float)
         elif kind == kinds.mjGEOM_MESH:
             corners = np.zeros((0, 3))
-        else:  # for a kind that ``outline`` does not know, such as an ellipsoid, it returns a box
-            corners, radius, disc = outline(word, model.geom_size[g])
+        else:  # for a kind that ``shape_outline`` does not know, such as an ellipsoid, it returns a box
+            corners, radius, disc = shape_outline(word, model.geom_size[g])
         axes, name = rotation.reshape(3, 3), model.geom(g).name
         other_geoms = self.moving_geoms if self._is_still(g) else range(model.ngeom)
         # if a scene of this package has no walls, its points touch nothing, but must be kept

@@ -153,7 +153,7 @@ def without_repeated_balls(balls: Sequence[list[Ball]], positions: Sequence[np.n
     return kept_balls
 
 
-def tables_of(balls: Sequence[Ball], joint: np.ndarray, axis: np.ndarray) -> list[dict[str, Any]]:
+def point_tables(balls: Sequence[Ball], joint: np.ndarray, axis: np.ndarray) -> list[dict[str, Any]]:
     """Return for each ball the table of a link's point: ``x``, ``y``, ``radius`` [m] and, if any, ``name``.
 
     ``joint`` is the position of the link's proximal joint [m], ``axis`` the unit vector along the link, both

@@ -144,7 +144,7 @@ class LinkShape:
     disc: np.ndarray | None = None
 
 
-def outline(kind: str, sizes: np.ndarray) -> tuple[np.ndarray, float, np.ndarray | None]:
+def shape_outline(kind: str, sizes: np.ndarray) -> tuple[np.ndarray, float, np.ndarray | None]:
     """Return corners, radius and disc (see ``LinkShape``) of a shape whose centre is at the origin.
 
     Args:

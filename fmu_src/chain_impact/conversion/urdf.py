@@ -22,7 +22,7 @@ from chain_impact.conversion.differences import (
     collect_warnings,
     joint_difference,
 )
-from chain_impact.conversion.robot import Body, Joint, LinkShape, Robot, identifier, outline
+from chain_impact.conversion.robot import Body, Joint, LinkShape, Robot, identifier, shape_outline
 from chain_impact.conversion.urdf_elements import GEOMETRIES, check_elements, other_elements
 from chain_impact.extras import require
 from chain_impact.scene.errors import SceneError
@@ -238,7 +238,7 @@ def _outline(geometry: Element, origin: Element | None) -> dict[str, Any]:
         position = numbers(origin, "xyz", 3)
     except ValueError:
         return {}
-    corners, radius, disc = outline(geometry.tag, sizes)
+    corners, radius, disc = shape_outline(geometry.tag, sizes)
     placed = {"corners": corners @ axes.T + position, "radius": radius}
     return placed if disc is None else placed | {"disc": axes @ disc}
 

@@ -20,9 +20,9 @@ from chain_impact.conversion.points import (
     balls_of,
     is_within,
     outermost_balls,
+    point_tables,
     reach,
     reach_of_oblique,
-    tables_of,
     without_repeated_balls,
 )
 from chain_impact.conversion.robot import LinkShape, Plane, Robot
@@ -207,7 +207,7 @@ class WallConversion:
             span = self.positions[i + 1] - self.positions[i]
             length = float(np.linalg.norm(span))
             axis = np.array([math.cos(angle), math.sin(angle)])
-            tables = tables_of(link_balls, self.positions[i], span / length)
+            tables = point_tables(link_balls, self.positions[i], span / length)
             points.append(
                 [table for table in tables if self._starts_outside(i, table, position, axis, length)]
             )

@@ -65,7 +65,7 @@ def documents(prepared_scene: PreparedScene, fmi: int) -> dict[str, bytes]:
     if license_text is None:
         raise BuildError("chain-impact is installed without its license: install the package again")
     return {
-        "documentation/index.html": page(prepared_scene, fmi).encode(),
+        "documentation/index.html": documentation_page(prepared_scene, fmi).encode(),
         "documentation/licenses/license.txt": license_text.encode(),
         ICONS[fmi]: icon(prepared_scene.scene),
         **({TERMINALS_FILE: terminals_and_icons(prepared_scene.variables)} if fmi == FMI_3 else {}),
@@ -75,7 +75,7 @@ def documents(prepared_scene: PreparedScene, fmi: int) -> dict[str, bytes]:
 # --- the page --------------------------------------------------------------------------------------------
 
 
-def page(prepared_scene: PreparedScene, fmi: int) -> str:
+def documentation_page(prepared_scene: PreparedScene, fmi: int) -> str:
     """Return the documentation of an FMU as a page of HTML."""
     from chain_impact.pictures.chain_at_start import SIGNS, drawing
 

@@ -18,7 +18,7 @@ from chain_impact.scene.errors import SceneError, UnknownNameError
 from chain_impact.scene.files.table_file import TIME, gap_hints, read_table, samples_of
 from chain_impact.scene.keys.signal_tables import Samples, Signal
 from chain_impact.scene.signal_inputs import determined_quantities
-from chain_impact.scene.signal_polynomials import is_motion, table_of, values_of
+from chain_impact.scene.signal_polynomials import is_motion, polynomial_values, table_polynomial
 from chain_impact.scene.texts.names import AXES, input_key
 from chain_impact.scene.warning import warn
 
@@ -108,7 +108,7 @@ def input_rows_for(
         knot_times, powers = _polynomials(signal, members, members.index(name), stop_time)
         begin = start_values.get(name, 0.0) if name not in columns else 0.0
         for rows, side in ((left_rows, "left"), (right_rows, "right")):
-            rows[name] = begin + values_of(knot_times, powers, points, side)
+            rows[name] = begin + polynomial_values(knot_times, powers, points, side)
         jumps |= np.abs(right_rows[name] - left_rows[name]) > LEAST_JUMP * np.abs(right_rows[name]).max()
     jumps[0] = False
     rows = np.concatenate([left_rows[jumps], right_rows])[[TIME, *given_members]]
@@ -139,7 +139,7 @@ def _polynomials(
         except SceneError as error:
             error.source = str(signal.file)
             raise
-    knot_times, powers, _ = table_of(signal, members[source], max(source - k, 0), stop_time)
+    knot_times, powers, _ = table_polynomial(signal, members[source], max(source - k, 0), stop_time)
     for _ in range(k - source):
         powers = powers[:, 1:] * np.arange(1.0, powers.shape[1])
     return knot_times, powers

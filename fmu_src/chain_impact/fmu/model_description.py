@@ -79,12 +79,12 @@ def model_description(prepared_scene: PreparedScene, tool: str, fmi: int, **capa
 
 
 def _add_types(root: Element, variables: Sequence[Variable], fmi: int) -> None:
-    """Add the declared types of real numbers (``quantities``) and of enumerations.
+    """Add the declared types of real numbers (``declared_types``) and of enumerations.
 
     FMI 2.0 encloses each type in a SimpleType.
     """
     types = SubElement(root, "TypeDefinitions")
-    for name, attributes in quantities(variables).items():
+    for name, attributes in declared_types(variables).items():
         if fmi == FMI_2:
             SubElement(SubElement(types, "SimpleType", name=name), "Real", attributes)
         else:
@@ -105,7 +105,9 @@ def _add_variables_2(root: Element, prepared_scene: PreparedScene) -> None:
     """
     variables, nodes = prepared_scene.variables, SubElement(root, "ModelVariables")
     indices = {variable.record_path: str(index) for index, variable in enumerate(variables, 1)}
-    for reference, (variable, value) in enumerate(zip(variables, values_of(prepared_scene), strict=True)):
+    for reference, (variable, value) in enumerate(
+        zip(variables, value_attributes(prepared_scene), strict=True)
+    ):
         node = SubElement(nodes, "ScalarVariable", attributes_of(variable, reference))
         rate = rate_of(variable)
         derivative = {"derivative": indices[rate]} if rate in indices else {}
@@ -122,7 +124,7 @@ def _add_variables_3(root: Element, prepared_scene: PreparedScene) -> None:
     variables, arrays, values = (
         prepared_scene.variables,
         array_variables(prepared_scene),
-        values_of(prepared_scene),
+        value_attributes(prepared_scene),
     )
     nodes, first = SubElement(root, "ModelVariables"), len(variables) + 1
     references = {variable.record_path: reference for reference, variable in enumerate(variables)}
@@ -205,7 +207,7 @@ def add_units(root: Element, variables: Sequence[Variable]) -> None:
             SubElement(definition, "DisplayUnit", name=DEGREES[name], factor=repr(180.0 / math.pi))
 
 
-def quantities(variables: Sequence[Variable]) -> dict[str, dict[str, str]]:
+def declared_types(variables: Sequence[Variable]) -> dict[str, dict[str, str]]:
     """Return the declared types of real numbers, one for each unit: name of the quantity → attributes."""
     used_units, types = {variable.unit for variable in variables}, {}
     for name in sorted_units(used_units):
@@ -241,7 +243,7 @@ def attributes_of(variable: Variable, reference: int) -> dict[str, str]:
     return attributes
 
 
-def values_of(prepared_scene: PreparedScene) -> list[dict[str, str]]:
+def value_attributes(prepared_scene: PreparedScene) -> list[dict[str, str]]:
     """Return for each variable the attributes of its value: type, unit, limits, start and nominal value.
 
     Outputs have no start.

@@ -45,13 +45,15 @@ def assemble_page(template: str, title: str, styles: Iterable[str], modules: str
         modules: the program of the page, from ``program``.
         parts: name → text for the other parts of the template.
     """
-    scripts_text = "\n".join(f"<script>\n{SOURCE_MAP.sub('', text_of(name))}</script>" for name in LIBRARIES)
+    scripts_text = "\n".join(
+        f"<script>\n{SOURCE_MAP.sub('', browser_text(name))}</script>" for name in LIBRARIES
+    )
     parts |= {
         "title": html.escape(title, quote=False),
         "style": STRIPPED_FROM_STYLES.sub(r"\1", "\n".join(styles)),
     }
     parts |= {"libraries": scripts_text, "program": modules}
-    parts |= {name: text_of(f"player/{name}.html") for name in FRAGMENTS}
+    parts |= {name: browser_text(f"player/{name}.html") for name in FRAGMENTS}
     # all parts are filled in at once, because a part may itself contain ``{{ name }}``, which is not to be
     # replaced
     return re.sub(r"\{\{ (\w+) \}\}", lambda match: parts[match[1]], template)
@@ -59,7 +61,7 @@ def assemble_page(template: str, title: str, styles: Iterable[str], modules: str
 
 def styles() -> list[str]:
     """Return the texts of the style sheets of a page with a player."""
-    return [text_of(name) for name in STYLES]
+    return [browser_text(name) for name in STYLES]
 
 
 def program(*names: str) -> str:
@@ -76,7 +78,7 @@ def joined_script(*names: str) -> str:
     The script has no imports, and nothing that matches STRIPPED_FROM_SCRIPTS. No two of the modules may
     declare the same name at their top level.
     """
-    texts = (EXPORT.sub("", IMPORT.sub("", text_of(name))) for name in module_files(*names))
+    texts = (EXPORT.sub("", IMPORT.sub("", browser_text(name))) for name in module_files(*names))
     return STRIPPED_FROM_SCRIPTS.sub("", "\n".join(texts))
 
 
@@ -90,7 +92,7 @@ def module_files(*names: str) -> list[str]:
     def add(name: str) -> None:
         if name in found_files:
             return
-        for path in IMPORT.findall(text_of(name)):
+        for path in IMPORT.findall(browser_text(name)):
             add(posixpath.normpath(posixpath.join(posixpath.dirname(name), path)))
         found_files.append(name)
 
@@ -104,6 +106,6 @@ def script_data(content: Any) -> str:
     return json.dumps(content, separators=(",", ":")).replace("<", "\\u003c")
 
 
-def text_of(name: str) -> str:
+def browser_text(name: str) -> str:
     """Return the text of the file ``name`` in pages/browser."""
     return PAGE.joinpath(name).read_text(encoding="utf-8")

@@ -14,10 +14,10 @@ from chain_impact.files import written_atomically
 from chain_impact.pages.assembly import (
     STRIPPED_FROM_SCRIPTS,
     assemble_page,
+    browser_text,
     joined_script,
     program,
     styles,
-    text_of,
 )
 from chain_impact.pages.encoding import base64_text
 from chain_impact.pages.inline import InlinePage
@@ -58,7 +58,7 @@ def explore(
         OSError: when the file cannot be written.
     """
     command_words = [_source(scene)] if command is None else list(command)
-    text = page(scene_of(scene), command_words)
+    text = explore_page(scene_of(scene), command_words)
     if path is None:
         return InlinePage(text)
     with written_atomically(Path(path)) as new_file:
@@ -66,7 +66,7 @@ def explore(
     return None
 
 
-def page(scene: Scene, command: Sequence[str]) -> str:
+def explore_page(scene: Scene, command: Sequence[str]) -> str:
     """Return the page's HTML for a scene.
 
     ``command`` has the words after ``chain-impact simulate`` in the command that the page shows.
@@ -76,19 +76,19 @@ def page(scene: Scene, command: Sequence[str]) -> str:
     """
     module = browser_module(scene.contact.law_file).read_bytes()
     return assemble_page(
-        text_of("explore/explore.html"),
+        browser_text("explore/explore.html"),
         scene.name,
-        [*styles(), text_of("explore/explore.css")],
+        [*styles(), browser_text("explore/explore.css")],
         program(PROGRAM),
-        data=compressed_text(json.dumps(contents(scene, command), separators=(",", ":")).encode()),
+        data=compressed_text(json.dumps(explore_contents(scene, command), separators=(",", ":")).encode()),
         begin=joined_script(BEGIN),
         kernel=compressed_text(module),
-        toml=STRIPPED_FROM_SCRIPTS.sub("", text_of(TOML)),
+        toml=STRIPPED_FROM_SCRIPTS.sub("", browser_text(TOML)),
         worker=compressed_text(program(WORKER).encode()),
     )
 
 
-def contents(scene: Scene, command: Sequence[str]) -> dict[str, Any]:
+def explore_contents(scene: Scene, command: Sequence[str]) -> dict[str, Any]:
     """Return the data of the page: contents of the file, the result of ``page_kit``, and ``command``."""
     file = scene_to_dict(scene)
     for signal in file.get("signals", {}).values():

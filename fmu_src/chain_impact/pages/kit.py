@@ -25,7 +25,7 @@ from chain_impact.kernel.record.constants import SIGNAL_DEGREE
 from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.record.signals import signal_dtype
 from chain_impact.pages.drawn import DRAWN_COLUMNS
-from chain_impact.pages.signals import tables_of
+from chain_impact.pages.signals import signal_table_data
 from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.scene.facts import FACTS, LISTS, TRUE_FACT
 from chain_impact.scene.reading import entry_type
@@ -112,7 +112,7 @@ def page_kit(scene: Scene) -> dict[str, Any]:
             for kind in SIMULATION_KINDS
         ],
         "outputs": [_group(block, _output_row) for block in OUTPUTS],
-        "tables": tables_of(scene),
+        "tables": signal_table_data(scene),
         "driven": [word_terms(("output", "signal", OWNER_AT, order)) for order in range(3)],
         "fields": {name: {"word": word_terms(path), "real": _is_real(path)} for name, path in PATHS.items()},
         "size": [*_affine(lambda record: record.itemsize // WORD), 0],

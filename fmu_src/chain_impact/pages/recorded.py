@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.pages.assembly import assemble_page, program, script_data, styles, text_of
+from chain_impact.pages.assembly import assemble_page, browser_text, program, script_data, styles
 from chain_impact.pages.drawn import IMPACT_QUANTITIES, drawn_entries
 from chain_impact.pages.encoding import base64_text
 from chain_impact.pages.shared import FINEST
@@ -26,7 +26,7 @@ RECORDED_PROGRAM = "player/recorded_page.js"
 MOST_PAGE_ROWS = 80_000  # of a recording with more rows, a page leaves out some (``thin_rows``)
 
 
-def page(recording: Recording, speed: float, impact_time: float) -> str:
+def recorded_page(recording: Recording, speed: float, impact_time: float) -> str:
     """Return the page's HTML.
 
     Args:
@@ -35,7 +35,7 @@ def page(recording: Recording, speed: float, impact_time: float) -> str:
         impact_time: the time [s] that an impact takes on the screen; 0 for no slow motion.
     """
     shown_data = data(thin_rows(recording, impact_time)) | {"speed": speed, "impactTime": impact_time}
-    template = text_of("player/recorded_page.html")
+    template = browser_text("player/recorded_page.html")
     return assemble_page(
         template, recording.name, styles(), program(RECORDED_PROGRAM), data=script_data(shown_data)
     )

@@ -10,10 +10,10 @@ import numpy as np
 from chain_impact.pages.encoding import base64_text
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_inputs import signal_inputs_of
-from chain_impact.scene.signal_polynomials import table_of
+from chain_impact.scene.signal_polynomials import table_polynomial
 
 
-def tables_of(scene: Scene) -> dict[str, Any]:
+def signal_table_data(scene: Scene) -> dict[str, Any]:
     """Return name → data of ``_table``, ready for JSON, for the signals of a scene that are tables."""
     return {name: _table(scene, name) for name, signal in scene.signals.items() if signal.form == "table"}
 
@@ -27,7 +27,7 @@ def _table(scene: Scene, name: str) -> dict[str, Any]:
     signal, columns = scene.signals[name], {}
     for signal_input in signal_inputs_of(scene):
         if signal_input.signal == name:
-            times, powers, gain = table_of(
+            times, powers, gain = table_polynomial(
                 signal, signal_input.input, signal_input.order, scene.simulation.stop_time
             )
             columns[signal_input.input] = {

@@ -13,7 +13,7 @@ DASHES = ("-", "--", ":")
 SHORT_DASHES = ("-", (0.0, (1.6, 0.7)), (0.0, (0.8, 0.8)))
 
 
-def looks_of(names: Sequence[str], body_indices: dict[str, int]) -> list[int]:
+def look_indices(names: Sequence[str], body_indices: dict[str, int]) -> list[int]:
     """Return, for each output of a panel, the index from 0 that determines the curve's colour and dashes.
 
     The colour is that of the index modulo the number of colours, the dashes those of the quotient. The index

@@ -11,7 +11,7 @@ import numpy as np
 
 from chain_impact.pictures.drawing.labels import Label
 from chain_impact.pictures.drawing.style import force_text
-from chain_impact.pictures.texts.headline import Peak, peaks
+from chain_impact.pictures.texts.headline import Peak, largest_peaks
 from chain_impact.recording.curves import Curves
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.texts.unit_text import unit_text
@@ -27,9 +27,9 @@ SAME_VALUE = 0.01
 
 
 def drawn_peaks(recording: Recording, curves: Curves) -> list[Peak]:
-    """Return those of ``peaks`` whose force or moment has a curve."""
+    """Return those of ``largest_peaks`` whose force or moment has a curve."""
     labels = []
-    for peak in peaks(recording):
+    for peak in largest_peaks(recording):
         impact = recording.impacts[peak.row]
         point, wall = impact["point"], recording.wall_names[impact["wall"]]
         is_stop = recording.is_joint_stop(impact["wall"])

@@ -44,7 +44,7 @@ def quantity_text(names: Sequence[str], unit: str) -> str:
     return part.replace("_", " ").replace(".", " ") or QUANTITIES.get(unit) or vector_of(names)
 
 
-def brief_names(names: Sequence[str]) -> dict[str, str]:
+def legend_texts(names: Sequence[str]) -> dict[str, str]:
     """Return the texts of a legend for the outputs of a panel: output → its name without the quantity.
 
     The label of the axis tells the quantity (``quantity_text``). So the text is "link[1]" for

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from chain_impact.pictures.curve_looks import DASHES, SHORT_DASHES, looks_of, shared_part
+from chain_impact.pictures.curve_looks import DASHES, SHORT_DASHES, look_indices, shared_part
 from chain_impact.pictures.curve_peaks import (
     MARKED_UNITS,
     amount_lines,
@@ -27,8 +27,8 @@ from chain_impact.pictures.curve_peaks import (
 )
 from chain_impact.pictures.curve_texts import (
     axis_unit,
-    brief_names,
     change_text,
+    legend_texts,
     quantity_text,
     values_at_onset,
 )
@@ -285,11 +285,11 @@ def draw_all(
             end_key = mark_end(axes, recording, curves.number, factor)
             keys += end_key if axes is grid[0] else []
         stored_unit = curves.units[names[0]]
-        starts, brief = values_at_onset(curves, names), brief_names(names)
+        starts, brief = values_at_onset(curves, names), legend_texts(names)
         changes = {name: change_text(starts[name], stored_unit) if starts else "" for name in names}
         curves_in_panel = [curves.values[name] - starts.get(name, 0.0) for name in names]
         scale, unit = axis_unit(stored_unit, curves_in_panel, is_close=curves.onset is not None)
-        looks = zip(names, looks_of(names, body_indices), strict=True)
+        looks = zip(names, look_indices(names, body_indices), strict=True)
         lines = {
             name: (
                 values,

@@ -53,7 +53,7 @@ def draw_impact(figure: Figure, recording: Recording, number: int, course: Impac
     impact = recording.impacts[number - 1]
     is_at_stop = recording.is_joint_stop(impact["wall"])
     title = f"{recording.name}: {hit_text(recording, impact)}, impact {number}"
-    write_headline(figure, title, conditions(impact, course, is_at_stop))
+    write_headline(figure, title, impact_conditions(impact, course, is_at_stop))
     if not is_narrow(figure):
         grid = figure.add_gridspec(3, 2)
         loop = figure.add_subplot(grid[:, 1], label="loop")
@@ -64,7 +64,7 @@ def draw_impact(figure: Figure, recording: Recording, number: int, course: Impac
     time_factor, time_unit = prefixed_unit(shown_time, "s")
     time_panels: list[Axes] = []
     peak_labels: list[tuple[Axes, Label]] = []
-    for row, (name, values, unit, colour) in enumerate(quantities(course, is_at_stop)):
+    for row, (name, values, unit, colour) in enumerate(impact_curves(course, is_at_stop)):
         axes = figure.add_subplot(grid[row, 0], sharex=time_panels[0] if time_panels else None, label=name)
         time_panels.append(axes)
         factor, shown_unit = load_unit(np.abs(values).max(initial=0.0), unit)
@@ -117,7 +117,7 @@ def draw_loop(axes: Axes, impact: np.void, course: ImpactCourse, *, is_at_stop: 
 
     ``is_at_stop``: whether the impact is at a stop of a joint; moment and angle then replace force and depth.
     """
-    (_, force, force_unit, _), (_, depth, depth_unit, _), _ = quantities(course, is_at_stop)
+    (_, force, force_unit, _), (_, depth, depth_unit, _), _ = impact_curves(course, is_at_stop)
     force_factor, prefixed_force_unit = load_unit(force.max(initial=0.0), force_unit)
     depth_factor, prefixed_depth_unit = prefixed_unit(depth.max(initial=0.0), depth_unit)
     label = f"{restitution_text(impact)}\n{course.energy_lost:.3g} J lost by the chain"
@@ -147,7 +147,7 @@ def write_impulse_note(axes: Axes) -> None:
     axes.set(xticks=[], yticks=[])
 
 
-def quantities(course: ImpactCourse, is_at_stop: bool) -> tuple[tuple[str, np.ndarray, str, str], ...]:
+def impact_curves(course: ImpactCourse, is_at_stop: bool) -> tuple[tuple[str, np.ndarray, str, str], ...]:
     """Return name, values, unit and colour of each curve over time: force, penetration and speed.
 
     ``is_at_stop``: whether the impact is at a stop of a joint. The curves are then moment [N·m], penetration
@@ -161,7 +161,7 @@ def quantities(course: ImpactCourse, is_at_stop: bool) -> tuple[tuple[str, np.nd
     )
 
 
-def conditions(impact: np.void, course: ImpactCourse, is_at_stop: bool) -> str:
+def impact_conditions(impact: np.void, course: ImpactCourse, is_at_stop: bool) -> str:
     """Return the text below the title.
 
     The text tells the peak force (at a stop of a joint the peak moment), the realised restitution, the

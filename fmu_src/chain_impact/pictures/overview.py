@@ -195,7 +195,7 @@ def panels_to_draw(recording: Recording, panels: Sequence[str]) -> list[str]:
     return [name for name in PANELS if (name in panels if panels else PANELS[name].count(recording))]
 
 
-def usual_size(
+def usual_overview_size(
     recording: Recording, panels: Sequence[str] = (), size: Size | None = None, *, is_above: bool = False
 ) -> tuple[float, float]:
     """Return the usual width and height of a figure with some panels [inches].

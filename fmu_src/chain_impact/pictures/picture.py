@@ -14,7 +14,7 @@ from chain_impact.pictures.curves import curves_size, draw_curve_figure
 from chain_impact.pictures.drawing.figures import FIGURE_SIZE, DrawContents, NoRoomError, draw_figure
 from chain_impact.pictures.drawing.sizes import Size
 from chain_impact.pictures.impact import IMPACT_SIZE, draw_impact
-from chain_impact.pictures.overview import draw_overview, usual_size
+from chain_impact.pictures.overview import draw_overview, usual_overview_size
 from chain_impact.pictures.sensitivities import draw_sensitivities
 from chain_impact.recording.curves import Curves
 from chain_impact.recording.impact_course import ImpactCourse
@@ -51,12 +51,12 @@ def overview_picture(
     """Return the picture with the panels of a recording: motion, energy, impacts.
 
     If a motion beside the other panels leaves these no room, it stands above them.
-    The arguments are those of ``draw_overview`` and of ``usual_size``, which raise errors.
+    The arguments are those of ``draw_overview`` and of ``usual_overview_size``, which raise errors.
     """
     draw = partial(draw_overview, recording=recording, panels=panels, title=title)
-    spare_size = usual_size(recording, panels, size, is_above=True)
+    spare_size = usual_overview_size(recording, panels, size, is_above=True)
     spare = Picture(partial(draw, is_above=True), spare_size)
-    return Picture(draw, usual_size(recording, panels, size), spare)
+    return Picture(draw, usual_overview_size(recording, panels, size), spare)
 
 
 def curves_picture(recording: Recording, curves: Curves, title: str | None = "") -> Picture:

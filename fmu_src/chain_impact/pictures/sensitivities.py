@@ -102,7 +102,7 @@ def draw_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
     )
     relative_changes = np.max([shares(recording, scaled_sensitivities, name) for name in names], axis=0)
     relative_changes = relative_changes[: end_row + 1]
-    looks = looks_of(
+    looks = looks_of_parameters(
         given_sensitivities, relative_changes, scaled_sensitivities.step_factors, is_brief=is_small
     )
     is_drawn = drawn_rows(recording, given_sensitivities, is_shown)
@@ -179,7 +179,7 @@ def panels_of(figure: Figure, count: int, column_count: int) -> tuple[list[Axes]
     return panels, figure.add_subplot(grid[count // column_count, count % column_count :])
 
 
-def looks_of(
+def looks_of_parameters(
     sensitivities: Sensitivities,
     relative_changes: np.ndarray,
     factors: Mapping[str, float],
@@ -238,7 +238,7 @@ def draw_changes(
 
     A curve has gaps where ``is_drawn``, the result of ``drawn_rows``, is False, and where the derivative is
     unknown. If there are more than MOST_GREY grey curves, they are drawn as a band. ``looks`` is the
-    result of ``looks_of``.
+    result of ``looks_of_parameters``.
     """
     changes = np.where(is_drawn, sensitivities.changes(output), np.nan)
     rows = is_outside_impacts(recording)
@@ -263,7 +263,7 @@ def draw_changes(
 
 
 def has_curves(look: Mapping[str, Any]) -> bool:
-    """Return whether a parameter with this look (``looks_of``) has curves."""
+    """Return whether a parameter with this look (``looks_of_parameters``) has curves."""
     return bool(look.get("visible", True))
 
 

@@ -164,7 +164,7 @@ def draw_impact_changes(
     edge = blended_transform_factory(axes.transData, axes.transAxes)
     axes.xaxis.set_label_coords(FIRST_EDGE, 0.0, transform=edge + offset)
     name_rows_inside(axes)
-    title = f"change of {quantity_text(quantity, recording.is_at_joint_stop)} [%]"
+    title = f"change of {impact_quantity_text(quantity, recording.is_at_joint_stop)} [%]"
     if sensitivities.parameters[list(sensitivities.parameters)[rows[0]]]:
         title += f" by + {100.0 * RELATIVE_STEP:g} %"
     if left_out := len(looks) - len(rows):
@@ -287,7 +287,7 @@ def cell_text(change: float) -> str:
     return "0" if abs(change) < LEAST_CHANGE else signed_text(change).replace("-", "−")
 
 
-def quantity_text(quantity: str, at_stops: np.ndarray) -> str:
+def impact_quantity_text(quantity: str, at_stops: np.ndarray) -> str:
     """Return the words for a quantity of impacts; a peak force at a joint's stop is a moment.
 
     ``at_stops``: whether each impact is at a joint's stop, shape (I,).

@@ -207,7 +207,7 @@ def solver_lines(counts: Mapping[str, int]) -> Iterator[str]:
     yield f"status   {status}: {'done' if status == OK else STATUS_TEXT[status]}"
 
 
-def hints(scene: Scene, impacts: np.ndarray) -> list[str]:
+def penetration_hints(scene: Scene, impacts: np.ndarray) -> list[str]:
     """Return one sentence, in a list, if a penetration is larger than ``BodySize.deep`` of the smallest body.
 
     The sentence names the wall, or the stop of a slider, with the deepest penetration, which is too soft

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from chain_impact.files import written_atomically
 from chain_impact.pages.inline import InlinePage
-from chain_impact.pages.recorded import page
+from chain_impact.pages.recorded import recorded_page
 from chain_impact.progress import Progress, no_progress
 from chain_impact.recording.pacing import IMPACT_TIME
 from chain_impact.recording.recording import Recording
@@ -51,10 +51,10 @@ def write_animation(
     if len(recording.time) <= 1 or not recording.points.shape[1]:
         raise AnimationError(f"{recording.name}: an animation needs two rows at least, with point[0].x")
     if path is None:
-        return InlinePage(page(recording, speed or 1.0, impact_time))
+        return InlinePage(recorded_page(recording, speed or 1.0, impact_time))
     with written_atomically(path) as new_file:
         if kind == ".html":
-            new_file.write_text(page(recording, speed or 1.0, impact_time), encoding="utf-8")
+            new_file.write_text(recorded_page(recording, speed or 1.0, impact_time), encoding="utf-8")
         else:
             from chain_impact.pictures.film.writing import write_film
 

@@ -348,7 +348,7 @@ class Result(PrintedResult, SceneRecording):
 
     def _facts(self) -> list[str]:
         """Return lines on the energy, on a wall or slider stop that is too soft, and on the solver's work."""
-        facts = [f"note     {hint}" for hint in summary.hints(self.scene, self.impacts)]
+        facts = [f"note     {hint}" for hint in summary.penetration_hints(self.scene, self.impacts)]
         return [*summary.energy_lines(self.energies), *facts, *summary.solver_lines(self.statistics)]
 
     def _stacked_outputs(self, field: str) -> np.ndarray:

@@ -30,7 +30,7 @@ from chain_impact.scene.keys.tables import (
     Wall,
 )
 from chain_impact.scene.rules.key_rules import NO_KEY, scene_key
-from chain_impact.scene.signal_polynomials import value_at_start
+from chain_impact.scene.signal_polynomials import start_value_of_signal
 from chain_impact.scene.texts.names import STOPS, DataPath, point_label
 
 
@@ -174,7 +174,7 @@ class SceneContents:
         """Return the value of the input ``name`` at t = 0; ``default`` if no signal drives the input."""
         for signal in self.signals.values():
             if name in signal.input:
-                return value_at_start(signal, name, self.simulation.stop_time)
+                return start_value_of_signal(signal, name, self.simulation.stop_time)
         return default
 
     @property

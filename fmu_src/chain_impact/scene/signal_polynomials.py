@@ -22,7 +22,7 @@ from chain_impact.scene.keys.signal_tables import FORMS, NUMBERS, SHAPES, Signal
 PERIOD_TOLERANCE = 1e-9
 
 
-def value_at_start(signal: Signal, quantity: str, stop_time: float) -> float:
+def start_value_of_signal(signal: Signal, quantity: str, stop_time: float) -> float:
     """Return the value at t = 0 of the input ``quantity`` that a signal drives until ``stop_time`` [s]."""
     knots = knots_of(signal, quantity)
     row, knot = np.zeros((), signal_dtype(1, knots)), np.zeros((), knot_dtype(knots))
@@ -56,7 +56,7 @@ def write_signal(d: Any, j: int, signal: Signal, quantity: str, stop_time: float
     if signal.form == "steps":
         d["knot"]["given_time"][rows], d["knot"]["given_value"][rows] = signal.times, signal.values
     if signal.form == "table":
-        times, powers, fields["gain"][j] = table_of(signal, quantity, order, stop_time)
+        times, powers, fields["gain"][j] = table_polynomial(signal, quantity, order, stop_time)
         fields["period"][j] = signal.period or 0.0
         d["knot"]["time"][rows], d["knot"]["powers"][rows, : powers.shape[1]] = times, powers
 
@@ -107,7 +107,7 @@ def is_motion(name: str) -> bool:
     return name.startswith(("base.", "wall.")) and not name.endswith(".belt_speed")
 
 
-def table_of(
+def table_polynomial(
     signal: Signal, quantity: str, order: int, stop_time: float
 ) -> tuple[np.ndarray, np.ndarray, float]:
     """Return the piecewise polynomial of a table for one input, after ``order`` integrations over time.
@@ -152,7 +152,7 @@ def table_of(
         integrals = np.cumsum(_sums_of_powers(powers, ends - sample_times))
         powers[1:, 0], gain = integrals[:-1], float(integrals[-1])
         # the integral must be 0 at t = 0, where the run starts
-        powers[:, 0] -= values_of(sample_times, powers, np.array([begin])) + periods * gain
+        powers[:, 0] -= polynomial_values(sample_times, powers, np.array([begin])) + periods * gain
     return sample_times, powers, gain if period else 0.0
 
 
@@ -236,7 +236,7 @@ def spline_of_position(
     )
 
 
-def values_of(
+def polynomial_values(
     knot_times: np.ndarray, powers: np.ndarray, times: np.ndarray, side: Any = "right"
 ) -> np.ndarray:
     """Return the values of a piecewise polynomial at ``times`` [s].

@@ -17,7 +17,7 @@ import numpy as np
 
 from chain_impact.kernel.constraints.geometry import ALLOWED_OVERLAP
 from chain_impact.kernel.record.constants import INPUT_DEGREE
-from chain_impact.scene.checks.checks import start_hint
+from chain_impact.scene.checks.checks import base_start_hint
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.files.table_file import jumps_of
 from chain_impact.scene.signal_polynomials import is_position, spline_of_position, splines_between_jumps
@@ -314,7 +314,7 @@ def contradictions(
             round_off = max(ALLOWED_OVERLAP, START_POSITION_ROUND_OFF * np.abs(positions).max())
             deviation = abs(start - channel.start)
             if deviation > max(LEAST_CONTRADICTION * max(abs(start), abs(channel.start)), round_off):
-                texts.append(start_hint(channel.position[-1], start, channel.start))
+                texts.append(base_start_hint(channel.position[-1], start, channel.start))
         for name in names[1:]:
             order = channel.names.index(name)
             value, _ = as_function(name, given_inputs[name], called, sample_join="spline")

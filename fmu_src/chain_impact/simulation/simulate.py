@@ -18,7 +18,7 @@ from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.status import OK
 from chain_impact.progress import Progress, no_progress
 from chain_impact.recording.sensitivity import EXPONENTS
-from chain_impact.recording.summary import hints, smallest_body
+from chain_impact.recording.summary import penetration_hints, smallest_body
 from chain_impact.results.result import Result
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.keys.tables import STEP_ROUND_OFF
@@ -191,9 +191,9 @@ def _inputs_of_run(
 def _warn(instance: Instance, result: Result) -> None:
     """Warn of a point deeper in walls than ``BodySize.deep``, and of positions that contradict velocities."""
     scene = result.scene
-    # ``hints`` takes long, and returns nothing unless a point is deeper in a wall than ``BodySize.deep``
+    # ``penetration_hints`` takes long, and is empty unless a point is deeper in a wall than ``BodySize.deep``
     if instance.record["peaks"]["penetration"] > smallest_body(scene).deep:
-        warn(scene.name, hints(scene, result.impacts))
+        warn(scene.name, penetration_hints(scene, result.impacts))
     if result.prepared_scene.counts.channel_count and instance.record["channel"]["contradiction"]:
         warn(scene.name, instance.contradictions)
 

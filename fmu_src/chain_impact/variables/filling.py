@@ -29,7 +29,7 @@ from chain_impact.scene.texts.names import ENTRY_AT, OWNER_AT, DataPath
 from chain_impact.variables.indices import layout_of, word_index
 from chain_impact.variables.kind import GIVEN_ONLY, VariableKind, owner_path
 from chain_impact.variables.listing import TANGENTS
-from chain_impact.variables.owners import OWNER_KINDS, RECORD_NUMBERS, values_of
+from chain_impact.variables.owners import OWNER_KINDS, RECORD_NUMBERS, rule_value_function
 from chain_impact.variables.parameters import METHODS, PARAMETERS
 from chain_impact.variables.shared_data import MOST_CACHED, SharedData, changed_numbers
 from chain_impact.variables.signal_filling import fill_signals
@@ -78,7 +78,7 @@ def _fill(d: Any, scene: Scene, structure: Structure) -> None:
 
     These are counts and other numbers that are no parameters, the signals, and the materials of single walls.
     """
-    value_of = values_of(structure.numbers, structure.lists, scene)
+    value_of = rule_value_function(structure.numbers, structure.lists, scene)
     for path, rule, list_name, index_name in RECORD_NUMBERS.values():
         *parts, key = (step for step in path if step != OWNER_AT)
         part = d

@@ -16,7 +16,7 @@ AXIS = "{axis}"  # placeholder for the name of an axis in a path: x, y
 
 
 @cache
-def metadata_of(table: type) -> dict[str, Mapping[str, Any]]:
+def key_metadata(table: type) -> dict[str, Mapping[str, Any]]:
     """Return key → metadata for a table of the scene, without keys that only files have (``file_only``)."""
     return {entry.name: entry.metadata for entry in key_fields(table) if not entry.metadata.get("file_only")}
 
@@ -65,12 +65,12 @@ def table_kinds(
     the kind, which replace the common ones.
     """
     kinds = []
-    for key in names or metadata_of(table):
+    for key in names or key_metadata(table):
         in_scene, in_record = (
             tuple(key if step == KEY else step for step in steps) for steps in (scene_path, record_path)
         )
         extra_fields = {"record_path": in_record, **special.get(key, {})}
-        kinds.append(parameter_kind(metadata_of(table)[key], scene_path=in_scene, text=text, **extra_fields))
+        kinds.append(parameter_kind(key_metadata(table)[key], scene_path=in_scene, text=text, **extra_fields))
     return kinds
 
 
@@ -81,7 +81,7 @@ def vector_kinds(
 
     ``scene_path`` ends with the key. In ``record_path``, INDEX and AXIS stand for the component.
     """
-    kinds, metadata = [], metadata_of(table)[str(scene_path[-1])]
+    kinds, metadata = [], key_metadata(table)[str(scene_path[-1])]
     for j, axis in enumerate(AXES):
         steps: dict[str | int, str | int] = {INDEX: j, AXIS: axis}
         in_record = tuple(steps.get(step, step) for step in record_path)

@@ -64,7 +64,7 @@ def parameters_of(scene: Scene, structure: Structure) -> Iterator[Variable]:
             )
 
 
-def inputs_of(structure: Structure) -> Iterator[Variable]:
+def undriven_inputs(structure: Structure) -> Iterator[Variable]:
     """Return the inputs that scenes with this structure ask for, without those that signals determine."""
     signal_names = structure.signal_quantities
     return (variable for variable in requested_inputs_of(structure) if variable.name not in signal_names)

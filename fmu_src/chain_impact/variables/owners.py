@@ -198,7 +198,7 @@ class Owner:
     conditions: dict[str, Any] = field(default_factory=dict)
 
 
-def values_of(
+def rule_value_function(
     scene_numbers: Mapping[str, Any], lists: Mapping[str, Sequence[Any]], scene: Scene | None = None
 ) -> ValueOf:
     """Return the function from a name in a rule to its value, for the rules of the tables in this file.
@@ -228,10 +228,10 @@ def owners_of(
 ) -> list[Owner]:
     """Return the owners of a kind, in the order of their variables.
 
-    ``scene_numbers`` and ``lists`` have the values of the names in the rules (``values_of``).
+    ``scene_numbers`` and ``lists`` have the values of the names in the rules (``rule_value_function``).
     """
     row, found_owners = OWNER_KINDS[kind], dict[Any, Owner]()
-    for order, member in enumerate(members_in(row.source_list, values_of(scene_numbers, lists))):
+    for order, member in enumerate(members_in(row.source_list, rule_value_function(scene_numbers, lists))):
         member_names = {**scene_numbers, **member, "order": order}
         if is_rule_true(row.condition, member_names.__getitem__):
             numbers = {name: number_in(rule, member_names.__getitem__) for name, rule in row.numbers.items()}

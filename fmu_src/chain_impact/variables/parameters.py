@@ -22,7 +22,7 @@ from chain_impact.variables.key_kinds import (
     AXIS,
     INDEX,
     KEY,
-    metadata_of,
+    key_metadata,
     parameter_kind,
     table_kinds,
     vector_kinds,
@@ -92,7 +92,7 @@ PARAMETERS = (
             Link,
             scene_path=("chain", "links", OWNER_AT, KEY),
             record_path=("chain", KEY, OWNER_AT),
-            names=[key for key in metadata_of(Link) if key not in ("points", "shape")],
+            names=[key for key in key_metadata(Link) if key not in ("points", "shape")],
             height={"number_for_none": 0.0, "hint": GIVEN_HINT},
             center_of_mass_offset=_ONLY_IF_GIVEN,
             center_of_mass={"given_path": ("chain", "given_center_of_mass", OWNER_AT)},
@@ -137,7 +137,7 @@ PARAMETERS = (
             force_limit=_LIMIT,
         ),
         parameter_kind(
-            metadata_of(Initial)["slider_velocity"],
+            key_metadata(Initial)["slider_velocity"],
             scene_path=("initial", "slider_velocity"),
             record_path=("initial", "slider_velocity"),
             text="initial {}",
@@ -264,10 +264,10 @@ PARAMETERS = (
         block(
             "link",
             parameter_kind(
-                metadata_of(Initial)[key],
+                key_metadata(Initial)[key],
                 scene_path=("initial", key, OWNER_AT),
                 record_path=("initial", name, OWNER_AT),
-                text="initial " + metadata_of(Initial)[key]["description"].replace("each link", "link {n}"),
+                text="initial " + key_metadata(Initial)[key]["description"].replace("each link", "link {n}"),
             ),
         )
         for key, name in (("angles", "angle"), ("angular_velocities", "angular_velocity"))
@@ -285,12 +285,12 @@ PARAMETERS = (
     block(
         "step",
         parameter_kind(
-            metadata_of(Signal)["times"],
+            key_metadata(Signal)["times"],
             scene_path=("signals", "{name}", "times", ENTRY_AT),
             record_path=("knot", "given_time", OWNER_AT),
         ),
         parameter_kind(
-            metadata_of(Signal)["values"],
+            key_metadata(Signal)["values"],
             scene_path=("signals", "{name}", "values", ENTRY_AT),
             record_path=("knot", "given_value", OWNER_AT),
         ),

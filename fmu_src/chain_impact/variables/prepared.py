@@ -30,7 +30,7 @@ from chain_impact.variables.indices import (
     output_indices,
     word_index,
 )
-from chain_impact.variables.listing import derivatives_of, inputs_of, outputs_of, parameters_of
+from chain_impact.variables.listing import derivatives_of, outputs_of, parameters_of, undriven_inputs
 from chain_impact.variables.selection import differentiable_named, outputs_named
 from chain_impact.variables.shared_data import shared_by_structure, shared_data_of
 from chain_impact.variables.structure import Structure, structure_of
@@ -101,7 +101,7 @@ class PreparedScene:
     @shared_by_structure
     def inputs(self) -> list[Variable]:
         """The inputs of the FMU."""
-        return list(inputs_of(self.structure))
+        return list(undriven_inputs(self.structure))
 
     @cached_property
     def signals_by_input(self) -> dict[str, str]:

@@ -7,7 +7,7 @@ from typing import Any
 
 from chain_impact.kernel.record.constants import WALLS
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATIC_BELOW_SLIDING, STATUS_TEXT
-from chain_impact.scene.keys.signal_tables import unit_of
+from chain_impact.scene.keys.signal_tables import input_unit
 from chain_impact.variables.impact_units import unit_at
 from chain_impact.variables.structure import Structure
 
@@ -83,7 +83,7 @@ def _contact_texts(structure: Structure, contact: dict[str, Any]) -> dict[str, s
 
 
 def _signal_texts(_: Structure, signal: dict[str, Any]) -> dict[str, str]:
-    return {"unit": unit_of(signal["input"])}
+    return {"unit": input_unit(signal["input"])}
 
 
 _TEXTS_OF: dict[str, Callable[[Structure, dict[str, Any]], dict[str, str]]] = {

@@ -13,12 +13,12 @@ from matplotlib.figure import Figure
 
 from chain_impact import CONTACT_LAWS, compare, load_scene
 from chain_impact.pictures.compare.grey_loops import draw_grey_loops
-from chain_impact.pictures.compare.headline import headline
-from chain_impact.pictures.compare.looks import COLOURED_LAWS, brief_names, looks_of, named_laws
+from chain_impact.pictures.compare.headline import comparison_headline
+from chain_impact.pictures.compare.looks import COLOURED_LAWS, brief_law_names, looks_of_laws, named_laws
 from chain_impact.pictures.compare.plot import (
     SIZE,
     band_label,
-    conditions,
+    comparison_conditions,
     draw_comparison,
     laws_in_band,
     plot_comparison,
@@ -90,7 +90,7 @@ def test_title_and_legend_of_a_narrow_page_are_low(model):
 
 @pytest.mark.full("takes long")
 def test_every_law_has_a_look_and_twins_share_one(comparison):
-    labels = [re.sub(r" \(.*", "", look["label"]) for look in looks_of(comparison).values()]
+    labels = [re.sub(r" \(.*", "", look["label"]) for look in looks_of_laws(comparison).values()]
     assert sorted(name for label in labels for name in label.split(", ")) == sorted(CONTACT_LAWS)
     assert "ye, flores" in labels
 
@@ -105,7 +105,7 @@ def test_six_laws_are_named_each_in_its_own_colour_and_the_rest_is_grey(comparis
         "hunt_crossley": "",
         "lankarani_nikravesh": "",
     }
-    looks = looks_of(comparison)
+    looks = looks_of_laws(comparison)
     coloured = {law: look["color"] for law, look in looks.items() if look["color"] not in (GREY, INK)}
     assert len(coloured) == len(set(coloured.values())) == COLOURED_LAWS
     for law, reason in reasons.items():
@@ -121,7 +121,7 @@ def test_a_law_has_the_same_colour_in_each_picture(comparison):
     short_comparison = compare("pinned_arm", laws=["zhang_sharf", "lankarani_nikravesh"])
     for shown_comparison in (comparison, short_comparison):
         assert (
-            looks_of(shown_comparison)["lankarani_nikravesh"]["color"]
+            looks_of_laws(shown_comparison)["lankarani_nikravesh"]["color"]
             == LAW_LOOKS["lankarani_nikravesh"]["color"]
         )
 
@@ -189,8 +189,8 @@ def test_no_law_with_losses_differs_more_than_the_law_that_differs_most(comparis
 
 def test_an_impact_that_is_not_free_is_told_in_the_picture():
     comparison = compare(driven(), laws=["zhang_sharf", "flores"])
-    assert f"not free: e′ = {comparison.reached[0].lossless:.2f} without losses" in conditions(
-        comparison, looks_of(comparison)
+    assert f"not free: e′ = {comparison.reached[0].lossless:.2f} without losses" in comparison_conditions(
+        comparison, looks_of_laws(comparison)
     )
 
 
@@ -198,7 +198,7 @@ def test_a_restitution_above_1_without_losses_is_explained():
     comparison = compare("pinned_arm", laws=["zhang_sharf", "hertz"])
     assert f"{comparison['hertz'].restitution:.2f}" == "1.01"
     assert comparison.is_free
-    text = conditions(comparison, looks_of(comparison))
+    text = comparison_conditions(comparison, looks_of_laws(comparison))
     assert "with other forces during the impact: e′ = 1.01 without losses" in text
 
 
@@ -233,7 +233,7 @@ def test_grey_loops_have_an_area_also_where_the_penetration_grows_again():
 
 def test_a_band_without_restitutions_names_the_extreme_forces():
     comparison = compare("hopper")
-    looks = looks_of(comparison)
+    looks = looks_of_laws(comparison)
     band = laws_in_band(comparison, looks)
     forces = {law: comparison[law].peak_force for law in band}
     ends = [min(forces, key=forces.get), max(forces, key=forces.get)]
@@ -243,17 +243,19 @@ def test_a_band_without_restitutions_names_the_extreme_forces():
 
 
 def test_a_free_impact_is_not_called_otherwise(comparison):
-    assert "free" not in conditions(comparison, looks_of(comparison))
+    assert "free" not in comparison_conditions(comparison, looks_of_laws(comparison))
 
 
 def test_the_range_of_peak_forces_is_told(comparison):
     runs = [run for run in comparison.runs if run.law not in ("hertz", "newton_impact")]
     forces = [1e-3 * run.peak_force for run in runs if run.peak_force > 0.0]
     hertz = 1e-3 * comparison["hertz"].peak_force
-    assert f"hertz, without e: peak force {hertz:.1f} kN" in conditions(comparison, looks_of(comparison))
+    assert f"hertz, without e: peak force {hertz:.1f} kN" in comparison_conditions(
+        comparison, looks_of_laws(comparison)
+    )
     expected = f"peak force {min(forces):.1f} to {max(forces):.1f} kN"
-    assert expected in headline(comparison)
-    assert expected in conditions(comparison, looks_of(comparison), is_small=True)
+    assert expected in comparison_headline(comparison)
+    assert expected in comparison_conditions(comparison, looks_of_laws(comparison), is_small=True)
 
 
 @pytest.mark.parametrize(
@@ -265,15 +267,18 @@ def test_the_range_of_peak_forces_is_told(comparison):
 )
 def test_the_headline_of_a_narrow_page_is_a_sentence(model, pattern):
     comparison = compare(model, laws=["zhang_sharf", "gonthier"])
-    assert re.fullmatch(pattern, headline(comparison, is_small=True).replace("\u00a0", " "))
+    assert re.fullmatch(pattern, comparison_headline(comparison, is_small=True).replace("\u00a0", " "))
 
 
 def test_a_narrow_headline_is_true_of_all_drawn_laws():
     with_hertz = compare("pinned_arm", laws=["zhang_sharf", "gonthier", "hertz"])
-    assert headline(with_hertz, is_small=True).endswith(" with losses"), "hertz reaches more"
+    assert comparison_headline(with_hertz, is_small=True).endswith(" with losses"), "hertz reaches more"
     with_one = compare("pinned_arm", laws=["flores", "hertz"])
     restitution = with_one["flores"].restitution
-    assert headline(with_one, is_small=True) == f"PinnedArm: flores reaches restitution {restitution:.2f}"
+    assert (
+        comparison_headline(with_one, is_small=True)
+        == f"PinnedArm: flores reaches restitution {restitution:.2f}"
+    )
 
 
 def test_the_energy_has_the_zero_of_the_picture_of_the_motion():
@@ -299,7 +304,7 @@ def test_the_energy_begins_shortly_before_the_first_impact(comparison):
 def test_the_panels_show_loops_and_energy(comparison):
     page = comparison_page(comparison)
     loops, energy = page.axes
-    looks = looks_of(comparison)
+    looks = looks_of_laws(comparison)
     law_count = sum(look["color"] not in (GREY, INK) for look in looks.values())
     laws = [[line for line in axes.lines if line.get_label()[0] != "_"] for axes in page.axes]
     coloured = [[line for line in lines if line.get_color() not in (GREY, INK)] for lines in laws]
@@ -350,7 +355,7 @@ def test_a_mark_tells_from_where_on_impacts_differ_from_the_reference(comparison
         for collection in energy.collections
         if len(collection.get_offsets()) == 1
     }
-    looks = looks_of(comparison)
+    looks = looks_of_laws(comparison)
     for law in {*named_laws(comparison)} & {*looks}:
         if (time := comparison[law].divergence_time) > 0.0:
             assert marks[time] == pytest.approx(to_rgba(looks[law]["color"]))
@@ -369,7 +374,7 @@ def test_no_restitution_is_told_where_other_forces_decide(model, reason):
     assert "peak force" in texts[0]
     assert "restitution" not in texts[0]
     assert reason in texts[1]
-    assert not any("e′" in look["label"] for look in looks_of(comparison).values())
+    assert not any("e′" in look["label"] for look in looks_of_laws(comparison).values())
 
 
 def test_an_impact_without_speed_has_no_restitution():
@@ -394,9 +399,9 @@ def test_laws_that_did_not_run_leave_the_others_in_the_picture(tmp_path):
 
 def test_a_law_whose_lines_are_covered_is_named_with_the_law_above_it():
     comparison = compare("elastic_ball", laws=["zhang_sharf", "hertz", "tsuji", "jankowski", "newton_impact"])
-    looks = looks_of(comparison)
+    looks = looks_of_laws(comparison)
     assert not [look for look in looks.values() if look["color"] == GREY]
-    assert "grey" not in conditions(comparison, looks)
+    assert "grey" not in comparison_conditions(comparison, looks)
     (label,) = (look["label"] for look in looks.values() if "zhang_sharf" in look["label"])
     assert {"tsuji", "jankowski"} <= {*label.partition(" (")[0].split(", ")}
 
@@ -406,7 +411,7 @@ def test_a_law_whose_lines_are_covered_is_named_with_the_law_above_it():
     [("ye (e′ = 0.5)", "ye"), ("flores, ye (of the scene)", "flores (ye)"), ("a, b, c, d", "a (+ 3)")],
 )
 def test_a_line_that_laws_share_has_their_names_at_its_end(label, expected):
-    assert brief_names(label) == expected
+    assert brief_law_names(label) == expected
 
 
 def test_the_energy_ends_when_all_laws_with_losses_have_settled(comparison):

@@ -15,10 +15,10 @@ from matplotlib.collections import PathCollection
 from chain_impact import fit, load_scene, simulate
 from chain_impact.pictures.drawing.axis_labels import numbers_in_view
 from chain_impact.pictures.drawing.figures import text_boxes
-from chain_impact.pictures.drawing.style import PALETTE, PEAK_COLOUR, metadata_of
+from chain_impact.pictures.drawing.style import PALETTE, PEAK_COLOUR, picture_metadata
 from chain_impact.pictures.fit.columns import MEAN, MOST_DOTS, running_means
 from chain_impact.studies.fit.estimates import LawEstimates
-from chain_impact.studies.fit.report import heading, sigma_of
+from chain_impact.studies.fit.report import fit_heading, sigma_of
 from tests.helpers.tools.measurements import FREE, NOISE, TIP, impacts, motion, scene
 from tests.pictures.pictures import contrast
 
@@ -312,7 +312,7 @@ def test_sigma_has_a_unit_and_tells_that_it_is_estimated(fit_result):
         page_text = " ".join(text.get_text() for text in page.texts).replace("\n", " ")
         assert page_text.count(f"Δ = model − data, σ {origin}") == 1
         assert re.fullmatch(rf"[\d.]+ [µm]m {origin}", sigma_of(sigma_fit, TIP[0]))
-        assert page.axes[1].get_title() in metadata_of(page)["Description"]
+        assert page.axes[1].get_title() in picture_metadata(page)["Description"]
         assert page.axes[1].title.get_window_extent().bounds in [box.bounds for box in text_boxes(page)]
 
 
@@ -362,7 +362,7 @@ def test_laws_that_differ_by_round_off_tie(fit_result):
     assert [text.get_text() for text in page.axes[0].texts[:3]] == ["0", "0", "57"]
     assert "zhang_sharf and 1 other law fit equally well" in page.get_suptitle().replace("\n", " ")
     other_page = replace(fit_result, ranking=(ranking[0], ranking[2])).plot()
-    assert other_page.get_suptitle() == heading(fit_result, ": ")
+    assert other_page.get_suptitle() == fit_heading(fit_result, ": ")
 
 
 @pytest.mark.full("fits every law")

@@ -26,8 +26,8 @@ from chain_impact.pictures.motion.named_points import NAME, touching_points
 from chain_impact.pictures.motion.poses import FAINT_POSES, MOST_STRONG_POSES, distinct_poses, strong_rows
 from chain_impact.pictures.motion.view import view_of
 from chain_impact.pictures.over_time.impacts import marks_of, rows_by_height
-from chain_impact.pictures.overview import draw_overview, usual_size
-from chain_impact.pictures.texts.headline import marked_peaks, peaks
+from chain_impact.pictures.overview import draw_overview, usual_overview_size
+from chain_impact.pictures.texts.headline import largest_peaks, marked_peaks
 from chain_impact.recording.joint_peaks import joint_peaks
 from chain_impact.recording.joint_stops import range_lines
 from chain_impact.recording.view import ball_of
@@ -223,7 +223,7 @@ def test_impacts_are_ringed_where_the_point_was_and_numbered():
 @pytest.mark.parametrize("model", ["four_link_box", "arm_at_stop", "bouncing_ball"])
 def test_the_impact_with_the_largest_force_is_marked_in_both_panels(model):
     recording = recorded(model)
-    (peak,) = peaks(recording)
+    (peak,) = largest_peaks(recording)
     page = page_of(recording)[0]
     motion, speeds = (
         next(axes for axes in page.axes if axes.get_label() == name) for name in ("motion", "impacts")
@@ -321,7 +321,7 @@ def distance(segment, place):
 @pytest.mark.parametrize(("model", "width"), cases("four_link_box", "hopper", "pinned_arm", "crowd"))
 def test_no_leader_passes_another_ring_or_crosses_a_chain_at_start_or_end(model, width):
     if model == "crowd":
-        recording, size = crowd(), usual_size(crowd(), size=(width / 25.4, None))
+        recording, size = crowd(), usual_overview_size(crowd(), size=(width / 25.4, None))
         page = figures.draw_figure(functools.partial(draw_overview, recording=recording), usual_size=size)
     else:
         recording, page = recorded(model), page_of_width(model, width)

@@ -5,7 +5,7 @@ from functools import partial
 from matplotlib.figure import Figure
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.pictures.sweep.layout import usual_size
+from chain_impact.pictures.sweep.layout import usual_sweep_size
 from chain_impact.pictures.sweep.plot import draw_sweep, headline_and_conditions
 from chain_impact.pictures.sweep.quantities import shown_quantities_of
 from chain_impact.scene.scene import load_scene
@@ -17,7 +17,7 @@ TEN = [law for law in CONTACT_LAWS if law not in ("kelvin_voigt", "newton_impact
 def sweep_page(runs):
     shown_quantities = shown_quantities_of(runs)
     page = Figure(
-        figsize=usual_size(runs.design, len(shown_quantities.drawn_quantities)), layout="constrained"
+        figsize=usual_sweep_size(runs.design, len(shown_quantities.drawn_quantities)), layout="constrained"
     )
     draw_sweep(page, runs, shown_quantities, partial(headline_and_conditions, runs, shown_quantities))
     page.draw_without_rendering()

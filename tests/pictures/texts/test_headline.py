@@ -17,9 +17,9 @@ from chain_impact.pictures.texts.headline import (
     has_contact,
     headline,
     impact_count_text,
+    largest_peaks,
     load_text,
     marked_peaks,
-    peaks,
 )
 from chain_impact.scene.scene import with_values
 from tests.helpers.scenes.stops import knee_scene
@@ -93,7 +93,7 @@ def test_the_damping_of_a_powered_drive_is_that_of_a_servo(model, damping):
 def test_the_largest_force_and_its_impact_are_told(title):
     recording = recorded("four_link_box")
     row = int(np.argmax(recording.impacts["peak_force"]))
-    (peak,) = peaks(recording)
+    (peak,) = largest_peaks(recording)
     value, prefix = re.fullmatch(r"([\d.]+) (k?)N", peak.value).groups()
     assert (peak.name, peak.row) == ("peak force", row)
     force = recording.impacts["peak_force"][row]
@@ -121,24 +121,24 @@ def test_a_narrow_picture_has_the_peak_as_its_headline(panel, colour):
 
 
 def test_a_moment_at_a_stop_and_an_impulse_have_words_of_their_own():
-    moment, *other_peaks = peaks(simulate(knee_scene(), 1.0))
+    moment, *other_peaks = largest_peaks(simulate(knee_scene(), 1.0))
     assert not other_peaks
     assert moment.name == "peak moment"
     assert moment.value.endswith("N·m")
     rigid = with_values(load_scene("rod_drop"), {("contact", "model"): "newton_impact"})
     run = simulate(rigid)
-    (peak,) = peaks(run)
+    (peak,) = largest_peaks(run)
     assert peak.name == "largest impulse"
     assert run.impacts["peak_force"].max() > 0.0, "the rod rests at the end with a force"
     assert float(peak.value.removesuffix(" N·s")) == pytest.approx(run.impacts["impulse"].max(), rel=5e-3)
     assert peak.row == int(np.argmax(run.impacts["impulse"]))
-    assert peaks(swing()) == []
+    assert largest_peaks(swing()) == []
 
 
 def test_the_impulse_of_a_rest_is_no_largest_impulse():
     """The impulse of a ball that rests to the end of the run is its weight times the duration of the rest."""
     run = simulate(load_scene("bouncing_ball"))
-    (peak,) = peaks(run)
+    (peak,) = largest_peaks(run)
     assert int(np.argmax(run.impacts["impulse"])) == len(run.impacts) - 1
     assert peak.row == 0
 
@@ -151,7 +151,7 @@ def test_the_weight_on_a_rigid_wall_is_no_part_of_the_impact(duration):
     (impact,) = run.impacts
     assert impact["peak_force"] > 0.0
     assert np.isnan(impact["end"])
-    (peak,) = peaks(run)
+    (peak,) = largest_peaks(run)
     momentum = sum(link.mass for link in scene.chain.links) * impact["impact_speed"]
     assert peak.name == "hit impulse"
     assert float(peak.value.removesuffix(" N·s")) == pytest.approx(momentum, rel=5e-3)
@@ -161,7 +161,7 @@ def test_the_weight_on_a_rigid_wall_is_no_part_of_the_impact(duration):
 def test_a_knee_that_stays_at_its_stop_tells_joint_time_speed_and_impulse():
     run = simulate(load_scene("kneed_leg"))
     short = simulate(load_scene("kneed_leg"), float(run.impacts["onset"][0]) + 1e-6)
-    (peak,) = peaks(run)
+    (peak,) = largest_peaks(run)
     assert peak.name == "hit impulse at a stop"
     assert run.impacts["impulse"][0] > 2.0 * short.impacts["impulse"][0]  # the stop then holds the knee
     value = float(peak.value.removesuffix(" mN·m·s"))
@@ -176,7 +176,7 @@ def test_a_knee_that_stays_at_its_stop_tells_joint_time_speed_and_impulse():
 
 def test_none_of_equal_impulses_is_singled_out():
     run = recorded("bouncing_table")
-    (peak,) = peaks(run)
+    (peak,) = largest_peaks(run)
     assert peak.equal_count == len(run.impacts)
     assert marked_peaks(run) == []
     assert peak.text == f"{peak.equal_count} equal impulses of {run.impacts['impulse'].max():.3f} N·s"

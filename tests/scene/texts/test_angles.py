@@ -18,7 +18,7 @@ from chain_impact import (
 from chain_impact.scene.errors import value_text
 from chain_impact.scene.scene import scene_from_dict, scene_to_dict
 from chain_impact.scene.texts.angles import radians_hint, radians_of
-from chain_impact.studies.fit.parameters import parameters_of
+from chain_impact.studies.fit.parameters import fitted_parameters
 from chain_impact.studies.fit.scene_file import text_with_values
 from chain_impact.study_data.sweep.variation import variations_of
 from tests.helpers.tools.refusal import refusal
@@ -157,7 +157,7 @@ def test_in_a_sweep(arm):
 
 
 def test_in_the_bounds_of_a_fit(arm):
-    [fitted] = parameters_of([arm], [ANGLE], [], {ANGLE: "-100 deg:-80 deg"})
+    [fitted] = fitted_parameters([arm], [ANGLE], [], {ANGLE: "-100 deg:-80 deg"})
     assert (fitted.low, fitted.high) == (math.radians(-100.0), math.radians(-80.0))
 
 

@@ -9,7 +9,7 @@ import pytest
 from chain_impact.studies.fit import horizon
 from chain_impact.studies.fit.horizon import estimate_sigma, search_parameters
 from chain_impact.studies.fit.measured_tables import read_measurements
-from chain_impact.studies.fit.parameters import parameters_of
+from chain_impact.studies.fit.parameters import fitted_parameters
 from chain_impact.studies.fit.problem import Problem
 from tests.helpers.tools.measurements import FREE, NOISE, TIP, TRUE, impacts, motion, scene
 from tests.helpers.tools.refusal import refusal
@@ -17,7 +17,7 @@ from tests.helpers.tools.refusal import refusal
 
 def problem(tables, start, sigma=None, names=FREE):
     data = read_measurements(tables, start, sigma or {})
-    return Problem([start], [data], parameters_of([start], names, (), {}))
+    return Problem([start], [data], fitted_parameters([start], names, (), {}))
 
 
 FAR_STARTS = [{"K": 1e8 * factor, "e": 0.7 + shift, "w": 1.5 * rate}

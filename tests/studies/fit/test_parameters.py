@@ -6,14 +6,14 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.scene.scene import scene_from_dict
-from chain_impact.studies.fit.parameters import parameters_of
+from chain_impact.studies.fit.parameters import fitted_parameters
 from tests.helpers.tools.refusal import refusal
 
 SCENE = load_scene("four_link_box")
 
 
 def make(names, free_each=(), bounds=None, scenes=(SCENE,)):
-    return parameters_of(scenes, names, free_each, bounds or {})
+    return fitted_parameters(scenes, names, free_each, bounds or {})
 
 
 def test_positive_parameters_are_sought_as_logarithms():

@@ -9,7 +9,7 @@ from chain_impact.kernel.status import MASS_MATRIX_SINGULAR
 from chain_impact.simulation.errors import SimulationError
 from chain_impact.studies.fit import problem as module
 from chain_impact.studies.fit.measured_tables import read_measurements
-from chain_impact.studies.fit.parameters import parameters_of
+from chain_impact.studies.fit.parameters import fitted_parameters
 from chain_impact.studies.fit.problem import Problem
 from tests.helpers.tools.differences import slope
 from tests.helpers.tools.measurements import FREE, TRUE, impacts, motion, scene
@@ -20,7 +20,7 @@ QUANTITIES = ("onset", "peak_force", "duration", "separation_speed")
 
 def problem(tables, scenes, names=FREE, names_of_each=()):
     data = [read_measurements(table, scenes[0], {}) for table in tables]
-    return Problem(scenes, data, parameters_of(scenes, names, names_of_each, {}))
+    return Problem(scenes, data, fitted_parameters(scenes, names, names_of_each, {}))
 
 
 @pytest.fixture(scope="module")

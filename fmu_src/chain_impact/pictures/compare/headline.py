@@ -14,7 +14,7 @@ from chain_impact.text import count_text, span_text
 from chain_impact.variables.impact_units import unit_at
 
 
-def headline(comparison: LawRuns[LawRecording], *, is_small: bool = False) -> str:
+def comparison_headline(comparison: LawRuns[LawRecording], *, is_small: bool = False) -> str:
     """Return the headline: ranges of realised restitutions e′ and peak forces in the first impact.
 
     The ranges are those of the laws with a force that depends on e (``laws_with_e``). If the e′ do not
@@ -29,23 +29,24 @@ def headline(comparison: LawRuns[LawRecording], *, is_small: bool = False) -> st
     restitutions = [run.restitution for run in runs if math.isfinite(run.restitution)]
     if not comparison.has_restitution:
         if is_small:
-            quantity, top = quantity_of(comparison), peaks(comparison, runs)
+            quantity, top = quantity_of(comparison), peak_range_text(comparison, runs)
             return f"{name}: {_with_subject(comparison, runs, quantity, top.removeprefix(f'{quantity} '))}"
         impact_text = f"in the {compared_impact(comparison.scene)}"
-        return f"{name}: {_reach_text(runs, _peak_count(runs))} {peaks(comparison, runs)} {impact_text}"
+        peak_text = peak_range_text(comparison, runs)
+        return f"{name}: {_reach_text(runs, _peak_count(runs))} {peak_text} {impact_text}"
     if not restitutions:
         return f"{name}: the first impact does not end under any law"
     ends = dict.fromkeys((f"{min(restitutions):.2f}", f"{max(restitutions):.2f}"))
     range_text = " to ".join(ends)
     if is_small:
         return f"{name}: {_with_subject(comparison, runs, 'restitution', range_text)}"
-    ranges_text = " and ".join(filter(None, (f"restitution {range_text}", peaks(comparison, runs))))
+    ranges_text = " and ".join(filter(None, (f"restitution {range_text}", peak_range_text(comparison, runs))))
     laws_text = _reach_text(runs, len(restitutions))
     return f"{name}: {laws_text} {ranges_text} in the first impact, for e = {e:g}"
 
 
 def rest_of_headline(comparison: LawRuns[LawRecording]) -> str:
-    """Return what the short ``headline`` lacks: "peak force 1.2 to 1.5 kN for e = 0.7" or the number of laws.
+    """Return what the short headline lacks: "peak force 1.2 to 1.5 kN for e = 0.7" or the number of laws.
 
     The number of laws is told if the e′ do not describe the contact alone. Otherwise the result is "" if no
     law has an e′ or no law has a peak force.
@@ -54,7 +55,7 @@ def rest_of_headline(comparison: LawRuns[LawRecording]) -> str:
     if not comparison.has_restitution:
         return law_count_text(runs, _peak_count(runs))
     is_told = any(math.isfinite(run.restitution) for run in runs)
-    return f"{top} for e = {e:g}" if is_told and (top := peaks(comparison, runs)) else ""
+    return f"{top} for e = {e:g}" if is_told and (top := peak_range_text(comparison, runs)) else ""
 
 
 def _reach_text(runs: Sequence[LawRecording], count: int) -> str:
@@ -100,7 +101,7 @@ def law_count_text(law_runs: Sequence[LawRecording], count: int) -> str:
     )
 
 
-def peaks(comparison: LawRuns[LawRecording], runs: Sequence[LawRecording]) -> str:
+def peak_range_text(comparison: LawRuns[LawRecording], runs: Sequence[LawRecording]) -> str:
     """Return words for the range of the peak forces or moments of ``runs`` that are above 0, or ""."""
     peak_forces = [run.peak_force for run in runs if run.peak_force > 0.0]
     unit = unit_at("peak_force", is_stop=comparison.is_at_stop)

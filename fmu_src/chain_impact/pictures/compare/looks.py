@@ -71,7 +71,7 @@ def _add_reason(reasons: dict[str, str], law: str, reason: str) -> None:
     reasons[law] = f"{reasons[law]}, {reason}" if law in reasons else reason
 
 
-def looks_of(comparison: LawRuns[LawRecording], *, is_small: bool = False) -> Looks:
+def looks_of_laws(comparison: LawRuns[LawRecording], *, is_small: bool = False) -> Looks:
     """Return the looks of the lines: law → keywords of matplotlib's ``plot``, with colour and label.
 
     Laws with equal loops share one line, under the first of these laws; its label names all of them, the
@@ -142,10 +142,10 @@ def _is_covered(comparison: LawRuns[LawRecording], law: str, other_law: str) -> 
     return is_equal and bool(gap <= SAME_CURVE * np.ptp([0.0, *total, *other_total])) and coincide(*loops)
 
 
-def brief_names(label: str) -> str:
+def brief_law_names(label: str) -> str:
     """Return the names of laws at the end of a line: "flores", "flores (ye)" or, for four, "flores (+ 3)".
 
-    ``label`` is that of ``looks_of``.
+    ``label`` is that of ``looks_of_laws``.
     """
     first, *other_names = label.partition(" (")[0].split(", ")
     others_text = f"+ {len(other_names)}" if len(other_names) > 1 else "".join(other_names)

@@ -15,8 +15,19 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from chain_impact.pictures.compare.grey_loops import draw_grey_loops
-from chain_impact.pictures.compare.headline import headline, laws_with_e, peaks, rest_of_headline
-from chain_impact.pictures.compare.looks import REFERENCE_LAYER, Looks, are_loops_equal, brief_names, looks_of
+from chain_impact.pictures.compare.headline import (
+    comparison_headline,
+    laws_with_e,
+    peak_range_text,
+    rest_of_headline,
+)
+from chain_impact.pictures.compare.looks import (
+    REFERENCE_LAYER,
+    Looks,
+    are_loops_equal,
+    brief_law_names,
+    looks_of_laws,
+)
 from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, dash_lines, draw_band
 from chain_impact.pictures.drawing.end_labels import EndLabel, spread, write_end_labels
 from chain_impact.pictures.drawing.figures import check_alone, draw_figure, settle
@@ -67,9 +78,9 @@ def plot_comparison(
         return draw_figure(partial(draw_comparison, comparison=comparison), path, size, SIZE)
     check_alone(path, size)
     with draw_into([ax]):
-        draw_loops(ax, comparison, looks_of(comparison))
+        draw_loops(ax, comparison, looks_of_laws(comparison))
         dash_laws(ax)
-        ax.legend(handles=legend_handles(looks_of(comparison), ax))
+        ax.legend(handles=legend_handles(looks_of_laws(comparison), ax))
         fit_into_figure([ax])
     return ax
 
@@ -78,14 +89,16 @@ def plot_comparison(
 def draw_comparison(figure: Figure, comparison: LawRuns[LawRecording]) -> None:
     """Draw the two panels of the picture on an empty figure."""
     is_small = is_narrow(figure)
-    looks = looks_of(comparison, is_small=is_small)
+    looks = looks_of_laws(comparison, is_small=is_small)
     write_headline(
-        figure, headline(comparison, is_small=is_small), conditions(comparison, looks, is_small=is_small)
+        figure,
+        comparison_headline(comparison, is_small=is_small),
+        comparison_conditions(comparison, looks, is_small=is_small),
     )
     panels: dict[str, Any] = {"nrows": 2, "height_ratios": LOOPS_ABOVE} if is_small else {"ncols": 2}
     loops, energy = figure.subplots(**panels)
     draw_loops(loops, comparison, looks)
-    draw_energy(energy, comparison, looks)
+    draw_compared_energy(energy, comparison, looks)
     names = name_ends(energy, comparison, looks) if figure.get_figwidth() >= LEAST_NAMED else []
     dash_laws(loops, energy)
     handles = legend_handles(looks, energy, loops)
@@ -106,11 +119,11 @@ def name_ends(axes: Axes, comparison: LawRuns[LawRecording], looks: Looks) -> li
         result = comparison[law].result
         if result is not None and look["color"] != GREY:
             value = float(np.interp(end, *energy_course(result, offset)))
-            lines.append((brief_names(look["label"]), value, look["color"]))
+            lines.append((brief_law_names(look["label"]), value, look["color"]))
     return write_end_labels(axes, lines)
 
 
-def conditions(comparison: LawRuns[LawRecording], looks: Looks, *, is_small: bool = False) -> str:
+def comparison_conditions(comparison: LawRuns[LawRecording], looks: Looks, *, is_small: bool = False) -> str:
     """Return the text below the headline.
 
     The text has these parts: effective mass and speed of the first impact; the reason if the e′ do not
@@ -148,7 +161,7 @@ def conditions(comparison: LawRuns[LawRecording], looks: Looks, *, is_small: boo
     ]
     lossless_text = (
         f"{LOSSLESS_LAW}, without e: {top}"
-        if lossless_laws and (top := peaks(comparison, lossless_laws))
+        if lossless_laws and (top := peak_range_text(comparison, lossless_laws))
         else ""
     )
     texts = (hit_text, comparison.no_restitution, limits_text, stiffness_text, tolerance_text, lossless_text)
@@ -236,7 +249,7 @@ def peaks_of_band(comparison: LawRuns[LawRecording], band: Sequence[str]) -> str
     return f": {' to '.join(dict.fromkeys(end_texts))}"
 
 
-def draw_energy(axes: Axes, comparison: LawRuns[LawRecording], looks: Looks) -> None:
+def draw_compared_energy(axes: Axes, comparison: LawRuns[LawRecording], looks: Looks) -> None:
     """Draw the total energy over time; the laws of ``laws_in_band`` share one grey band.
 
     The line of a law has a cross in the colour of the line at ``LawRun.divergence_time``, the onset of the

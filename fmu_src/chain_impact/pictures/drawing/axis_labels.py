@@ -56,7 +56,7 @@ def break_labels(figure: Figure, wanted_axes: Sequence[Axes] | None = None) -> b
     becomes small. ``wanted_axes``: the axes, by default all axes of the figure. Returns whether the text of a
     label or a title has changed.
     """
-    earlier_labels = labels_of(figure)
+    earlier_labels = labels_of_axes(figure)
     for axes in figure.axes if wanted_axes is None else wanted_axes:
         panel_box = axes.get_window_extent()
         if has_heading(axes):
@@ -79,7 +79,7 @@ def break_labels(figure: Figure, wanted_axes: Sequence[Axes] | None = None) -> b
         if label.get_window_extent().width > longest_label:
             label.set_text(label.get_text().replace("\n", " "))
             break_lines(label, longest_label, "; ")
-    return labels_of(figure) != earlier_labels
+    return labels_of_axes(figure) != earlier_labels
 
 
 def thin_ticks(axes: Axes) -> None:
@@ -119,7 +119,7 @@ def numbers_meet(axis: Axis) -> bool:
     return any(map(look_like_one, boxes, boxes[1:]))
 
 
-def labels_of(figure: Figure) -> list[str]:
+def labels_of_axes(figure: Figure) -> list[str]:
     """Return the labels of all horizontal and vertical axes of a figure, and the titles of the axes."""
     texts = (text for axes in figure.axes for text in (axes.xaxis.label, axes.yaxis.label, axes.title))
     return [text.get_text() for text in texts]

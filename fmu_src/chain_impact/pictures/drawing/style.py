@@ -340,7 +340,7 @@ def start_left(axes: Axes, text: Text, upward: Transform | None = None) -> None:
     text.set_transform(blended_transform_factory(horizontal, upward or axes.transAxes + offset))
 
 
-def metadata_of(figure: Figure) -> dict[str, str]:
+def picture_metadata(figure: Figure) -> dict[str, str]:
     """Return the metadata of a picture's file: the headline as title; other texts as description.
 
     The other texts are those of the figure and, of all axes, centred titles, labels, texts and legends.
@@ -367,7 +367,7 @@ def drawn_figure(draw_contents: Callable[[Figure], None], size: tuple[float, flo
 def save(path: str | os.PathLike[str], make: Callable[[], Figure]) -> None:
     """Write the figure that ``make`` returns into a file, in colours that suit the style in use.
 
-    The suffix of the path determines the kind of the file. A PNG also has the texts (``metadata_of``).
+    The suffix of the path determines the kind of the file. A PNG also has the texts (``picture_metadata``).
 
     Raises:
         OSError: when the file cannot be written.
@@ -375,7 +375,7 @@ def save(path: str | os.PathLike[str], make: Callable[[], Figure]) -> None:
     with written_atomically(Path(path)) as new_file:
         figure = make()
         adapt_to_dark_style(figure)
-        metadata = metadata_of(figure) if Path(path).suffix == ".png" else None
+        metadata = picture_metadata(figure) if Path(path).suffix == ".png" else None
         figure.savefig(new_file, dpi="figure", metadata=metadata)
 
 

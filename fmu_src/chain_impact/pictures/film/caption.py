@@ -11,7 +11,7 @@ from chain_impact.pictures.texts.headline import (
     hardness_text,
     hit_text,
     impact_count_text,
-    peaks,
+    largest_peaks,
 )
 from chain_impact.pictures.texts.point_names import brief_hit, short_names
 from chain_impact.recording.contact_times import contact_ends
@@ -103,7 +103,7 @@ class Caption:
         recording = self.recording
         largest_texts = [
             f"{peak.text} in impact {peak.row + 1}" if peak.equal_count == 1 else peak.text
-            for peak in peaks(recording)[:1]
+            for peak in largest_peaks(recording)[:1]
         ]
         count, energies = impact_count_text(recording), energy_texts(recording)[:1]
         tries = [[count, *energies], [count.partition(" in ")[0], *energies], [count]]

@@ -18,7 +18,7 @@ from chain_impact.pictures.motion.view import is_flat
 from chain_impact.pictures.motion.walls import wall_line
 from chain_impact.pictures.over_time.impacts import marks_of, rows_by_height
 from chain_impact.pictures.texts.headline import marked_peaks
-from chain_impact.pictures.texts.impact_numbers import numbers_of
+from chain_impact.pictures.texts.impact_numbers import label_numbers
 from chain_impact.recording.joint_stops import stop_mark
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import NO_WALL
@@ -83,7 +83,7 @@ def number_rings(axes: Axes, recording: Recording, used_pixels: UsedPixels) -> N
     """Write the numbers of the impacts beside their rings, beyond the walls, where no pixels are used.
 
     The label of a ring has the numbers of all its impacts, or that of the hardest one and how many more there
-    are (``numbers_of``). The rings with the hardest impacts come first; only the largest force in a joint
+    are (``label_numbers``). The rings with the hardest impacts come first; only the largest force in a joint
     (``name_loads``) comes before them, and other forces in joints come last. If a ring's label has no room,
     the label of the nearest ring at the same wall or stop has the numbers of both (``_joined``).
     """
@@ -139,7 +139,7 @@ def _joined(
 
 def _ring_label(recording: Recording, ring_position: tuple[float, float], hits: Sequence[int]) -> Label:
     """Return the label of a ring with the impacts in the rows ``hits``, the hardest one first."""
-    whole_list, short = numbers_of(hits)
+    whole_list, short = label_numbers(hits)
     impact = recording.impacts[hits[0]]
     is_stop = recording.is_joint_stop(impact["wall"]) or recording.touching_part(impact) == "slider"
     position = _label_position(recording, impact, ring_position)

@@ -32,8 +32,8 @@ from chain_impact.pictures.over_time.time_axis import show_all_time
 from chain_impact.pictures.texts.headline import impact_values, marked_peaks
 from chain_impact.pictures.texts.impact_numbers import (
     NUMBER_SIGN,
+    label_numbers,
     label_subsets,
-    numbers_of,
     write_first_fitting,
 )
 from chain_impact.pictures.texts.point_names import POINT, number_of, short_names, what_touches
@@ -322,7 +322,7 @@ def number_impacts(axes: Axes, recording: Recording, used_pixels: UsedPixels) ->
 
     If ``numbered_step`` is a number k > 1, every k-th impact gets a number, if these have room. Otherwise all
     impacts get one or, without room for that, those with the highest marks, as many as have room, and the
-    last (``label_subsets``); impacts whose marks coincide share a label (``numbers_of``). A number that
+    last (``label_subsets``); impacts whose marks coincide share a label (``label_numbers``). A number that
     would be nearer to the mark of another impact has no room, except for every k-th. If an impact in
     ``marked_peaks`` has a label of its own, this label also has the force, moment or impulse, if there is
     room.
@@ -336,7 +336,7 @@ def number_impacts(axes: Axes, recording: Recording, used_pixels: UsedPixels) ->
 
     def label(rows: Sequence[int]) -> Label:
         """Return the label of the impacts ``rows`` at the mark of the first one."""
-        (text, short), position = numbers_of(rows), positions[rows[0]]
+        (text, short), position = label_numbers(rows), positions[rows[0]]
         other_positions = [
             position for row, position in enumerate(positions) if row not in common_rows[rows[0]]
         ]

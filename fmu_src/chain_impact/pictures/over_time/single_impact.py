@@ -12,7 +12,7 @@ from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.style import COLUMN, INK, PEAK_COLOUR, force_text, give_ticks, load_unit
 from chain_impact.pictures.drawing.used_pixels import UsedPixels
 from chain_impact.pictures.over_time.impacts import HEADROOM
-from chain_impact.pictures.texts.headline import peaks
+from chain_impact.pictures.texts.headline import largest_peaks
 from chain_impact.recording.contact_times import course_in_run
 from chain_impact.recording.impacts import lasts
 from chain_impact.recording.pacing import LEAST_SPEED, LONGEST_IMPACT
@@ -71,7 +71,7 @@ def course_of_hardest(recording: Recording) -> tuple[int, np.ndarray, np.ndarray
     LEAST_CONTACT_ROWS. The result is None if no impact has a known peak force, or if the forces are not
     known.
     """
-    hardest = next((peak for peak in peaks(recording) if "impulse" not in peak.name), None)
+    hardest = next((peak for peak in largest_peaks(recording) if "impulse" not in peak.name), None)
     if hardest is None or not recording.impacts["peak_force"][hardest.row] > 0.0:
         return None
     row, impact = hardest.row, recording.impacts[hardest.row]

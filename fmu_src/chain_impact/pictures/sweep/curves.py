@@ -86,7 +86,7 @@ def draw_curves(
     looks = [
         look | _marks(index, len(rows), is_sampled=is_sampled) | {"label": " = ".join(names)}
         for index, ((names, rows), look) in enumerate(
-            zip(lines.items(), looks_of(lines, choice), strict=False)
+            zip(lines.items(), looks_of_lines(lines, choice), strict=False)
         )
     ]
     for look, rows in zip(looks, lines.values(), strict=True):
@@ -184,7 +184,7 @@ def mark_at_foot(axes: Axes, values: np.ndarray, mark: dict[str, Any]) -> None:
         axes.plot(values, np.full(len(values), FOOT), transform=axes.get_xaxis_transform(), **mark)
 
 
-def looks_of(lines: Iterable[tuple[str, ...]], choice: Variation | None) -> list[dict[str, Any]]:
+def looks_of_lines(lines: Iterable[tuple[str, ...]], choice: Variation | None) -> list[dict[str, Any]]:
     """Return looks in the order of the lines: those of laws if ``choice`` is the contact law.
 
     Other lines have LINE_COLOURS, which may be more than the lines. ``lines``: the names of the choices or

@@ -140,7 +140,7 @@ def panels_in_row(design: Design, count: int, width: float) -> int:
     return count if count == MOST_IN_ROW else min(count, 2)
 
 
-def usual_size(design: Design, quantities: int, width: float | None = None) -> tuple[float, float]:
+def usual_sweep_size(design: Design, quantities: int, width: float | None = None) -> tuple[float, float]:
     """Return the default width and height [inches] of the figure of a number of quantities.
 
     ``width``: the width that the user gives, or None. If it is given, only the returned height is used: the

@@ -94,7 +94,7 @@ def draw_maps(
             axes.tick_params(axis="x", rotation=90)
     nearest_index = _name_maps(panels, runs, variations)
     # a map with numbers in its cells has no room for the name of the mark
-    is_named = bool(third_variations) or not has_numbers(value_tables[0])
+    is_named = bool(third_variations) or not has_map_numbers(value_tables[0])
     marked_panels = [panels[nearest_index[0]]] if nearest_index else [] if third_variations else panels
     for axes in marked_panels if None not in own_values else ():
         mark_scene(axes, own_values, is_named=is_named)
@@ -206,13 +206,13 @@ def _draw_group(
     levels = add_bar(panels, meshes[0], label, are_beyond(extremes, ends), ticks)
     is_smooth = not (quantity.is_count or x.names or y.names)
     for axes, table, mesh in zip(panels, tables, meshes, strict=True):
-        if has_numbers(tables) and len(panels) == 1:
+        if has_map_numbers(tables) and len(panels) == 1:
             _write_values(axes, scales, table, mesh, own_values)
         elif is_smooth and not has_jumps(table, logarithmic=isinstance(norm, LogNorm)):
             draw_contours(axes, scales, table, mesh, levels, own_values=own_values)
 
 
-def has_numbers(tables: Any) -> bool:
+def has_map_numbers(tables: Any) -> bool:
     """Return whether maps have so few cells that a single map has a number in each cell."""
     return bool(max(tables.shape[1:]) < FEW_CELLS)
 
@@ -293,10 +293,10 @@ def number_in_scene(runs: SweepRuns, variation: Variation) -> float | None:
 
 def label_of(runs: SweepRuns, variation: Variation) -> str:
     """Return the label of a parameter's axis: the name and the unit."""
-    return f"{variation.name}{raise_exponents(bracketed_unit(unit_of(runs, variation)))}"
+    return f"{variation.name}{raise_exponents(bracketed_unit(variation_unit(runs, variation)))}"
 
 
-def unit_of(runs: SweepRuns, variation: Variation) -> str:
+def variation_unit(runs: SweepRuns, variation: Variation) -> str:
     """Return the unit of a varied parameter, such as N/m^1.5.
 
     If the runs vary an exponent, a unit has the word "exponent" in place of its number: N/m^exponent.

@@ -17,7 +17,7 @@ from chain_impact.pictures.sweep.layout import (
     sorted_parameters,
     varying_in,
 )
-from chain_impact.pictures.sweep.maps import NO_IMPACT, unit_of
+from chain_impact.pictures.sweep.maps import NO_IMPACT, variation_unit
 from chain_impact.pictures.sweep.quantities import (
     Quantity,
     ShownQuantities,
@@ -236,7 +236,7 @@ def no_impact_text(runs: SweepRuns, quantity: Quantity) -> str:
         for limit, sign, order in ends:
             if not np.diff(order.astype(int)).clip(0).any():
                 text = with_unit(
-                    printed_number(float(limit)), raise_exponents(unit_text(unit_of(runs, variation)))
+                    printed_number(float(limit)), raise_exponents(unit_text(variation_unit(runs, variation)))
                 )
                 relation = sign if is_empty.sum() > 1 else "="
                 return f"{NO_IMPACT} at {plain_name(variation.name)} {relation} {text}"

@@ -52,7 +52,7 @@ from chain_impact.pictures.sweep.layout import (
     panels_of_each,
     picture_form,
     sorted_parameters,
-    usual_size,
+    usual_sweep_size,
     varying_in,
 )
 from chain_impact.pictures.sweep.map_marks import place_names
@@ -62,7 +62,7 @@ from chain_impact.pictures.sweep.maps import (
     nearest_map,
     number_in_scene,
     own_value,
-    unit_of,
+    variation_unit,
 )
 from chain_impact.pictures.sweep.message import headline_parts
 from chain_impact.pictures.sweep.quantities import (
@@ -144,7 +144,7 @@ def plot_sweep(
         shown_quantities = ShownQuantities(
             shown_quantities.drawn_quantities[:1], shown_quantities.drawn_quantities[:1]
         )
-    usual_figure_size = usual_size(
+    usual_figure_size = usual_sweep_size(
         runs.design, len(shown_quantities.drawn_quantities), figure_size(size)[0] if size else None
     )
     # a picture is drawn anew for each height that is tried, with the same texts
@@ -194,7 +194,7 @@ def headline_and_conditions(
 ) -> tuple[str, str]:
     """Return the headline, which is short if ``is_small``, and the text with the conditions."""
     kind, variations = picture_form(runs.design), varying_in(runs.design)
-    parts = [conditions(runs, variations), constant_quantities_text(runs, shown_quantities)]
+    parts = [variation_ranges(runs, variations), constant_quantities_text(runs, shown_quantities)]
     if kind == CURVES:
         parts.append(gaps_text(runs, shown_quantities.drawn_quantities, *sorted_parameters(variations, kind)))
     if kind == HISTOGRAMS:
@@ -243,7 +243,7 @@ def marked_parameters(runs: SweepRuns, variations: list[Variation]) -> list[Vari
     )
 
 
-def conditions(runs: SweepRuns, variations: list[Variation]) -> str:
+def variation_ranges(runs: SweepRuns, variations: list[Variation]) -> str:
     """Return a text with the range of each varied number, and how many choices each varied choice has.
 
     After a range stands the value in the scene: with (+) or (dashed) if the picture marks the value
@@ -259,7 +259,7 @@ def conditions(runs: SweepRuns, variations: list[Variation]) -> str:
             distinct_texts([*dict.fromkeys((variation.values.min(), variation.values.max()))])
         )
         ends_text = LEADING_HYPHEN.sub("−", ends_text)
-        interval = f"{ends_text} {raise_exponents(unit_text(unit_of(runs, variation)))}".rstrip()
+        interval = f"{ends_text} {raise_exponents(unit_text(variation_unit(runs, variation)))}".rstrip()
         scene_number = number_in_scene(runs, variation)
         mark_text = (
             " (outside)"

@@ -197,7 +197,7 @@ def shown_quantities_of(runs: SweepRuns, panels: Sequence[str] = ()) -> ShownQua
     prepared_scene = PreparedScene(runs.scene)
     if panels:
         fields = list(runs.rows.dtype.names or ())
-        chosen_columns = columns_named(prepared_scene, panels, fields)
+        chosen_columns = columns_by_pattern(prepared_scene, panels, fields)
         all_quantities = _with_prefixes(
             runs, [main.get(name) or _final_quantity(name, prepared_scene) for name in chosen_columns]
         )
@@ -226,7 +226,7 @@ def shown_quantities_of(runs: SweepRuns, panels: Sequence[str] = ()) -> ShownQua
     return ShownQuantities(all_quantities, drawn_quantities)
 
 
-def columns_named(
+def columns_by_pattern(
     prepared_scene: PreparedScene, panels: Sequence[str], available_columns: Sequence[str]
 ) -> list[str]:
     """Return the ``available_columns`` that match a pattern in ``panels``; ``*`` stands for any text.
@@ -261,7 +261,7 @@ def outputs_for(
         SceneError: when there are too many panels.
     """
     available_columns = [*dict.fromkeys((*standard_columns, *prepared_scene.outputs_by_name))]
-    matching_columns = columns_named(prepared_scene, panels, available_columns)
+    matching_columns = columns_by_pattern(prepared_scene, panels, available_columns)
     return [name for name in matching_columns if name not in standard_columns]
 
 

@@ -62,8 +62,8 @@ class Peak(NamedTuple):
         name: the quantity in words: "peak force".
         value: the value of the quantity with its unit: "12.6 kN".
         row: the row of the impact in ``impacts``, from 0.
-        equal_count: how many impacts have this value, if ``peaks`` gives it (SAME_PEAK): ``row`` is then the
-            first of these impacts. Otherwise 1.
+        equal_count: how many impacts have this value, if ``largest_peaks`` gives it (SAME_PEAK): ``row`` is
+            then the first of these impacts. Otherwise 1.
     """
 
     name: str
@@ -88,11 +88,11 @@ class Peak(NamedTuple):
 def headline(recording: Recording, first: str | None = None) -> str:
     """Return the headline, a name and a sentence: "Box: the peak force is 12.6 kN".
 
-    The sentence is ``first``; by default that of the first entry of ``peaks``. If it is empty, the headline
-    tells the number of impacts.
+    The sentence is ``first``; by default that of the first entry of ``largest_peaks``. If it is empty, the
+    headline tells the number of impacts.
     """
     if first is None:
-        first = next((peak.sentence for peak in peaks(recording)), "")
+        first = next((peak.sentence for peak in largest_peaks(recording)), "")
     return f"{recording.name}: {first or event_sentence(recording)}"
 
 
@@ -156,8 +156,8 @@ def write_head(
     default, these are the words of the first told impact. If they are "" and ``told_peaks`` is not given,
     they are those of the largest force in a joint, if no impact is told and the panel of the motion shows it.
 
-    ``first`` are texts that stand before the results. The results tell the impacts of ``peaks`` and the
-    largest force in a joint (``load_text``) or, if ``told_peaks`` is given, only the impacts in
+    ``first`` are texts that stand before the results. The results tell the impacts of ``largest_peaks``
+    and the largest force in a joint (``load_text``) or, if ``told_peaks`` is given, only the impacts in
     ``told_peaks``. ``panels``: the names of the panels of an overview.
 
     Without a ``title``, the first of the told impacts has a line of its own below the headline if the figure
@@ -166,7 +166,7 @@ def write_head(
     stand before the conditions. Without room for all texts at the foot, only ``notes`` are there.
     """
     short, load = is_narrow(figure), load_text(recording) if told_peaks is None else ""
-    told_peaks = peaks(recording) if told_peaks is None else told_peaks
+    told_peaks = largest_peaks(recording) if told_peaks is None else told_peaks
     lead = next((peak.sentence for peak in told_peaks), "") if lead is None else lead
     if not (lead or title or told_peaks) and load and "motion" in panels and recording.joint_forces:
         lead, load = load_text(recording, digits=3).replace(" in the run, ", " "), ""
@@ -190,7 +190,7 @@ def write_head(
         write_foot(figure, SEPARATOR.join(filter(None, notes)))
 
 
-def peaks(recording: Recording) -> list[Peak]:
+def largest_peaks(recording: Recording) -> list[Peak]:
     """Return the largest peak force at walls, and the largest peak moment at stops of joints, if known.
 
     Stops of a slider count as walls. Where ``impact_values`` gives impulses, the largest impulse replaces the
@@ -210,8 +210,8 @@ def peaks(recording: Recording) -> list[Peak]:
 
 
 def marked_peaks(recording: Recording) -> list[Peak]:
-    """Return those of ``peaks`` that only one impact reaches: only these impacts have PEAK_COLOUR."""
-    return [peak for peak in peaks(recording) if peak.equal_count == 1]
+    """Return those of ``largest_peaks`` that only one impact reaches: only these impacts have PEAK_COLOUR."""
+    return [peak for peak in largest_peaks(recording) if peak.equal_count == 1]
 
 
 def peak_of(recording: Recording, row: int) -> list[Peak]:

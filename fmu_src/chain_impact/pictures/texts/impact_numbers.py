@@ -61,7 +61,7 @@ def write_first_fitting(
         most_labels = len(labels) - len(missed) + 1
 
 
-def numbers_of(rows: Sequence[int]) -> tuple[str, str]:
+def label_numbers(rows: Sequence[int]) -> tuple[str, str]:
     """Return the numbers of impacts that share a label as text, and a short text.
 
     Both begin with the sign NUMBER_SIGN. The text has all numbers or, if they are more than MOST_IN_LABEL

@@ -214,13 +214,13 @@ def start_hints(scene: SceneContents) -> list[str]:
         return []
     starts = zip(AXES, scene.base_at_start, scene.initial.position, strict=True)
     return [
-        start_hint(axis, start, given_value)
+        base_start_hint(axis, start, given_value)
         for axis, start, given_value in starts
         if abs(start - given_value) > ALLOWED_OVERLAP
     ]
 
 
-def start_hint(axis: str, start: float, given_value: float) -> str:
+def base_start_hint(axis: str, start: float, given_value: float) -> str:
     """Return the sentence of ``start_hints`` on the coordinate ``axis``, "x" or "y".
 
     ``start`` [m] is the coordinate at which the base starts, ``given_value`` [m] that in initial.position.

@@ -14,7 +14,7 @@ from chain_impact.scene.asked_inputs import inputs_of, request_hint
 from chain_impact.scene.contents import SceneContents
 from chain_impact.scene.errors import SceneError, error_at, refusal, value_text
 from chain_impact.scene.files.table_file import jumps_of
-from chain_impact.scene.keys.signal_tables import Samples, Signal, unit_of
+from chain_impact.scene.keys.signal_tables import Samples, Signal, input_unit
 from chain_impact.scene.rules.refusals import SIGNAL_REFUSALS
 from chain_impact.scene.rules.rule_language import is_rule_true
 from chain_impact.scene.signal_inputs import determined_quantities, exclusive_inputs
@@ -64,7 +64,7 @@ def _check_inputs(scene: SceneContents, name: str, signal: Signal) -> None:
             continue
         hint = request_hint(scene, input_name)
         raise refusal(_input(name), "strange_input", value=value_text(input_name), how=hint)
-    units = {unit_of(input_name): input_name for input_name in signal.input}
+    units = {input_unit(input_name): input_name for input_name in signal.input}
     if len(units) > 1 and signal.form != "table":
         (unit, first), (other_unit, other_input) = list(units.items())[:2]
         template_values = {"unit": unit_text(unit), "other_unit": unit_text(other_unit)}

@@ -59,7 +59,7 @@ TABLE_FILE = (r"[^\x00]*\.(csv|parquet)", "the path of a CSV or Parquet file, fr
 _UNITS = {template: unit for inputs in INPUTS_OF.values() for template, unit in inputs.items()}
 
 
-def unit_of(name: str) -> str:
+def input_unit(name: str) -> str:
     """Return the unit of an input.
 
     A name that is no input is refused only after reading. Until then, it has the unit of the input with the
@@ -76,7 +76,7 @@ def _unit_of_values(tables: Mapping[str, Any]) -> str:
 
     ``tables`` has the values of the signal's keys that have been read before.
     """
-    return unit_of(tables["input"][0]) if tables["input"] else "1"
+    return input_unit(tables["input"][0]) if tables["input"] else "1"
 
 
 def _value(description: str) -> Any:

@@ -32,7 +32,7 @@ from chain_impact.studies.changed_law import (
     stiffened,
 )
 from chain_impact.studies.compare.runs import LawRun
-from chain_impact.studies.compare.text import report
+from chain_impact.studies.compare.text import comparison_report
 from chain_impact.study_data.compared_impact import EXACT_LAW, LOSSLESS_LAW, contact_at, first_number
 from chain_impact.study_data.law_runs import LawRuns, ReachedRestitutions, first_of
 from chain_impact.text import PrintedResult, TextTable
@@ -68,7 +68,7 @@ class Comparison(PrintedResult, LawRuns[LawRun]):
 
     def _lines_and_tables(self, *, in_notebook: bool) -> Iterator[str | TextTable]:  # noqa: ARG002
         """Return the table and the advice."""
-        return report(self)
+        return comparison_report(self)
 
     def to_dataframe(self) -> pandas.DataFrame:
         """Return a table of pandas with a row for each law and the columns of ``save_csv``.

@@ -22,15 +22,15 @@ NAMED_LAWS = 3
 DASH = "–"
 
 
-def report(comparison: LawRuns[LawRun]) -> Iterator[str | TextTable]:
+def comparison_report(comparison: LawRuns[LawRun]) -> Iterator[str | TextTable]:
     """Yield the whole text of a comparison: lines and a table."""
-    yield heading(comparison)
+    yield comparison_heading(comparison)
     yield law_table(comparison)
     yield legend(comparison)
     yield advice(comparison)
 
 
-def heading(comparison: LawRuns[LawRun]) -> str:
+def comparison_heading(comparison: LawRuns[LawRun]) -> str:
     """Return the first line of the text: the scene, the values of its contact, and the first impact."""
     scene, impact = comparison.scene, comparison.first_impact
     contact = comparison.contact

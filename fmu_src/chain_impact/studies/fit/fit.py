@@ -18,7 +18,7 @@ from chain_impact.simulation.given_inputs import Interpolation
 from chain_impact.studies.fit.horizon import SearchSeries, freedom_of_columns, search_parameters
 from chain_impact.studies.fit.measured_tables import read_measurements
 from chain_impact.studies.fit.measurements import Measurements
-from chain_impact.studies.fit.parameters import Bounds, Parameter, parameters_of
+from chain_impact.studies.fit.parameters import Bounds, Parameter, fitted_parameters
 from chain_impact.studies.fit.problem import Evaluation, Problem
 from chain_impact.studies.fit.remarks import not_random, outliers, unusual_chi_squared
 from chain_impact.studies.fit.result import Fit
@@ -111,7 +111,7 @@ def fit(
     _check_sigma(scene, sigma or {}, data_sets)
 
     def fit_scenes(scenes: Sequence[Scene], progress: Progress) -> Fit:
-        parameters = parameters_of(scenes, free, free_each, bounds or {})
+        parameters = fitted_parameters(scenes, free, free_each, bounds or {})
         _check_inputs(scene, parameters, data_sets)
         try:
             result = _fit(Problem(scenes, data_sets, parameters), progress)

@@ -82,7 +82,7 @@ class Parameter:
         return value if self.logarithmic else 1.0
 
 
-def parameters_of(
+def fitted_parameters(
     scenes: Sequence[Scene], free_names: Sequence[str], free_each: Sequence[str], bounds: Bounds
 ) -> tuple[Parameter, ...]:
     """Return the parameters to fit: those of ``free_names``, then ``free_each`` for each data set.

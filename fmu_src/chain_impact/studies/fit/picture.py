@@ -37,8 +37,8 @@ from chain_impact.studies.fit.parameters import Parameter
 from chain_impact.studies.fit.remarks import alike_neighbours
 from chain_impact.studies.fit.report import (
     count_of_best,
+    fit_heading,
     fits_equally,
-    heading,
     is_determined,
     least_certain_of,
     misfit,
@@ -82,7 +82,7 @@ def ranking_contents(fit: Estimates) -> dict[str, Any]:
         )
         for entry in fit.ranking
     ]
-    return {"title": heading(fit, ": ", laws_text), "notes": notes, "laws": ranked_laws}
+    return {"title": fit_heading(fit, ": ", laws_text), "notes": notes, "laws": ranked_laws}
 
 
 def fit_contents(fit: Estimates) -> FitContents:
@@ -97,7 +97,7 @@ def fit_contents(fit: Estimates) -> FitContents:
         quality_text = f"reduced χ² {number_text(fit.reduced_chi_squared, 3)}"
         notes = [f"rms residual {number_text(misfit(fit, fit), 3)} σ", quality_text, *notes]
     notes.append(f"Δ = model − data{f', σ {origin}' if (origin := _origin(fit)) else ''}")
-    notes.append(heading(fit, ": ").partition(": ")[2].rpartition(", ")[0])
+    notes.append(fit_heading(fit, ": ").partition(": ")[2].rpartition(", ")[0])
     return FitContents(
         title=f"{fit.scene.name}: {finding_text(fit)}",
         warning=warning,

@@ -74,7 +74,7 @@ def outliers(fit: Estimates, slopes: np.ndarray) -> Iterator[str]:
     is_far = ~is_alone & (ratio > special.stdtrit(freedom_left, 1.0 - 0.5 * LEAST_PROBABILITY / len(rows)))
     order = rows[is_far][np.argsort(-ratio[is_far], kind="stable")]
     if len(order):
-        labels = [label for data_set in fit.data for label in labels_of(data_set)]
+        labels = [label for data_set in fit.data for label in value_labels(data_set)]
         named_rows = [
             f"{labels[row]} is measured {value[row]:.6g}, the model has {value[row] + fit.residuals[row]:.6g}"
             for row in order[:NAMED_VALUES]
@@ -88,7 +88,7 @@ def outliers(fit: Estimates, slopes: np.ndarray) -> Iterator[str]:
         yield f"Far from what the other values tell: {outlier_text}. Are these rows wrong?"
 
 
-def labels_of(data_set: Measurements) -> Iterator[str]:
+def value_labels(data_set: Measurements) -> Iterator[str]:
     """Yield words for each value of a data set: the column and, in brackets, the impact or the time."""
     for name, row, of_impact in zip(data_set.quantity, data_set.row, data_set.of_impact, strict=True):
         if of_impact:

@@ -22,9 +22,9 @@ MOST_HORIZONS = 8
 DECISIVE_DIFFERENCE = 2.0
 
 
-def report(fit: Estimates) -> Iterator[str | TextTable]:
+def fit_report(fit: Estimates) -> Iterator[str | TextTable]:
     """Yield the parts of the report: lines and tables."""
-    yield heading(fit)
+    yield fit_heading(fit)
     yield ""
     yield TextTable(("parameter", "start", "value", "standard error", "95 % interval"), _parameters(fit))
     yield ""
@@ -82,7 +82,7 @@ def criterion_above_best(fit: Estimates, best: Estimates) -> str:
     return f"{max(0.0, fit.aic - best.aic):.1f}"
 
 
-def heading(fit: Estimates, mark: str = "  ", laws: str = "") -> str:
+def fit_heading(fit: Estimates, mark: str = "  ", laws: str = "") -> str:
     """Return the heading: scene, law, and the numbers of data sets, fitted values and free parameters.
 
     The number of data sets is left out if it is 1. ``mark`` separates the name of the scene from the text

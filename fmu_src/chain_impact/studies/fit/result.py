@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from chain_impact.deprecated import OlderName
 from chain_impact.extras import require
 from chain_impact.studies.fit.estimates import Estimates, LawEstimates
-from chain_impact.studies.fit.report import report
+from chain_impact.studies.fit.report import fit_report
 from chain_impact.text import PrintedResult, TextTable
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ class Fit(PrintedResult, Estimates):
 
     def _lines_and_tables(self, *, in_notebook: bool) -> Iterator[str | TextTable]:  # noqa: ARG002
         """Return the whole report."""
-        return report(self)
+        return fit_report(self)
 
     def to_dataframe(self) -> pandas.DataFrame:
         """Return the estimates as a table of pandas, one row for each free parameter.
