@@ -50,6 +50,27 @@ def test_the_forces_in_joints_are_within_the_list_of_impacts(show):
         assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
 
 
+def test_the_head_of_the_page_stays_one_line(show):
+    """With a long subtitle and all buttons, the first steps are cut, but not their button."""
+    page = show(viewport={"width": 1366, "height": 800})
+    page.evaluate("localStorage.clear()")
+    page.reload()
+    until(page, "document.getElementById('subtitle').textContent")
+    parts = [page.locator(name) for name in ("h1", "#view")]
+    heights = [part.bounding_box()["height"] for part in parts]
+    changes = {"contact.restitution": 0.5, "simulation.stop_time": 10.0}
+    page.evaluate("changes => chainImpact.show(changes)", changes)
+    until_text(page, "in 10")
+    assert [part.bounding_box()["height"] for part in parts] == heights
+    close, actions = (page.locator(name).bounding_box() for name in ("#first-steps button", "#actions"))
+    assert close["x"] + close["width"] <= actions["x"]
+    for width in (1300, 1000, 800):
+        resize(page, width, 800)
+        assert parts[0].bounding_box()["height"] == heights[0]
+        actions = page.locator("#actions").bounding_box()
+        assert actions["x"] + actions["width"] <= width
+
+
 def test_the_number_of_a_joint_is_whole_in_the_list_of_impacts(show):
     page = show("kneed_leg")
     cell = page.locator("#impacts td:nth-child(3)").first

@@ -5,7 +5,7 @@
 import pytest
 
 from chain_impact import load_scene, simulate
-from tests.pages.in_pages import ON_ITS_SIDE, PHONE, resize, until, until_text
+from tests.pages.in_pages import ON_ITS_SIDE, PHONE, enter, resize, until, until_text
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -80,6 +80,28 @@ def test_a_phone_shows_force_and_result_beside_the_slider_that_moves(show):
     until_text(page, f"{len(run.impacts)} impact")
     peak_text = f"{run.impacts['peak_force'].max() / 1e3:.1f}\u202fkN"
     assert row.locator(".outcome").inner_text() == f"{len(run.impacts)} impacts, largest {peak_text}"
+
+
+def test_the_status_of_a_phone_does_not_cover_the_refused_field(show):
+    page = show(viewport=PHONE, has_touch=True)
+    enter(page, "initial.y", "-1")
+    until_text(page, "The simulation cannot start", "status")
+    row = page.locator(".main-parameter", has=page.locator("input:invalid"))
+    row.get_by_text("Cannot start").wait_for()
+    box = row.bounding_box()
+    tabs = page.locator("#jumps").bounding_box()
+    assert tabs["y"] + tabs["height"] <= box["y"]
+    assert box["y"] + box["height"] <= page.locator("#status").bounding_box()["y"]
+
+
+def test_a_refused_value_on_a_phone_has_no_result_of_an_old_one(show):
+    page = show(viewport=PHONE)
+    page.get_by_role("slider", name="Restitution", exact=True).press("PageDown")
+    outcome = page.locator(".outcome")
+    until(page, "/largest/.test(document.querySelector('.outcome')?.textContent)")
+    assert outcome.is_visible()
+    enter(page, "contact.restitution", "2")
+    assert outcome.is_hidden()
 
 
 @pytest.mark.parametrize("pins", [False, True])

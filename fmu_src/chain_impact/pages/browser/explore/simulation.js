@@ -4,7 +4,7 @@ import { byId, make } from "../base/dom.js";
 import { readable } from "../base/format.js";
 import { changesOf } from "../scene/changes.js";
 import { capitalized, withBoxWalls } from "../scene/words.js";
-import { markFailing, writtenValue } from "./parameters/parameter_fields.js";
+import { keepAboveStatus, markFailing, writtenValue } from "./parameters/parameter_fields.js";
 import { withControls, wordsFor } from "./parameters/main_parameters.js";
 import { overlapOf, startText } from "./refused_start.js";
 import { faultWords } from "./stopped_run.js";
@@ -88,6 +88,7 @@ export class Simulation {
     const { names } = this.#failures[REFUSED];
     if (isRefused && names.length === 1) markFailing(names[0], this.#inWords(startText(result, scene, overlap)));
     this.show(result.parts, { ...words, scene, values, inputSteps }, overlap);
+    if (isRefused) keepAboveStatus();
     if (this.#nextRun) this.soon();
     else byId("stage").ariaBusy = "false";
   }

@@ -77,8 +77,11 @@ export class MapDrawing {
         else this.#write(numberText(tick), pixel, bottom + 18, "middle");
       });
       const title = titleOf(name, text);
-      if (k) this.#write(title, 0, 0, "middle").attr({ transform: `translate(13 ${EDGE.top + height / 2}) rotate(-90)` });
-      else this.#write(title, EDGE.left + width / 2, bottom + 34, "middle");
+      if (k) {
+        const label = this.#write(title, 0, 0, "middle");
+        const middle = Math.max(EDGE.top + height / 2, label.length() / 2 + 2); // a long title goes on beside the scale of colours
+        label.attr({ transform: `translate(13 ${middle}) rotate(-90)` });
+      } else this.#write(title, EDGE.left + width / 2, bottom + 34, "middle");
     });
     scales.rect(width, height).move(EDGE.left, EDGE.top).addClass("map-tick");
     this.#drawColours(EDGE.left, bottom + 52, width, output, scale, results);

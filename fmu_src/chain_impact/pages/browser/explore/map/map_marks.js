@@ -64,17 +64,19 @@ export function markRuns(scales, map, place, { present, chosen }) {
     write(value, at, "");
     written.push(at);
   });
+  const [x, y] = middle(chosen);
+  const isOnNumber = ring && Math.abs(x - ring.from - (Math.sign(ring.from - present.at[0]) * wide) / 2) < (wide + width) / 2 + MARK_RIM
+    && Math.abs(y - ring.y) < (NUMBER_HEIGHT + height) / 2 + MARK_RIM;
   const isRingChosen = ring && middle(chosen).every((at, k) => Math.abs(at - present.at[k]) < 1); // the label has the same number
   if (ring) {
     ["map-present-edge", "map-present"].forEach((kind) => scales.circle(RING_SIZE).center(...present.at).addClass(kind));
     const row = points - 1 - Math.round((ring.y - place.top) / height);
     const below = results[Math.max(row, 0) * points + Math.round((ring.middle - place.left) / width)]; // the output below the number
-    if (!isRingChosen && Number.isFinite(present.value ?? NaN)) {
+    if (!isRingChosen && !isOnNumber && Number.isFinite(present.value ?? NaN)) {
       write(present.value, [ring.from, ring.y], "of-present", ring.anchor, below ?? present.value);
     }
   }
   if (results[chosen] === undefined) return;
-  const [x, y] = middle(chosen);
   const [[left, top], [right, bottom]] = cellAt([x, y], [width, height], place);
   ["map-present-edge", "map-present map-chosen"].forEach((kind) =>
     scales.rect(right - left, bottom - top).move(left, top).addClass(kind));

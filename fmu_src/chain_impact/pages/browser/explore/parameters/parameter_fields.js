@@ -1,6 +1,6 @@
 // The fields for values of parameters. Each shows why a value is refused, and has a button that restores the scene's value.
 
-import { make } from "../../base/dom.js";
+import { byId, make } from "../../base/dom.js";
 import { numberText, raised, readable, textWithUnit, unitOfPower, unitText } from "../../base/format.js";
 import { ALL_DIGITS, DEGREE_DIGITS, inShownUnit, notUnderstood, shortText, shownIn, typed, valueText } from "../../scene/angles.js";
 import { lawText } from "../../scene/words.js";
@@ -58,6 +58,15 @@ export function markFailing(name, reason) {
     field.dataset.fails = "true"; // the page has taken the value, unlike a refused one
     explain(field.closest(".main-parameter, .parameter"));
   });
+}
+
+/** Scroll the row with the focus so far that it ends above the status, which covers the foot of a phone's page. */
+export function keepAboveStatus() {
+  const status = byId("status");
+  const row = document.activeElement.closest(".main-parameter, .parameter");
+  if (row && getComputedStyle(status).position === "sticky") {
+    scrollBy(0, Math.max(row.getBoundingClientRect().bottom + 8 - status.getBoundingClientRect().top, 0));
+  }
 }
 
 /** Show in the row of a parameter why the value is refused, or why a run with the value fails; else show no reason. */
