@@ -71,6 +71,19 @@ def test_the_head_of_the_page_stays_one_line(show):
         assert actions["x"] + actions["width"] <= width
 
 
+def test_no_first_step_asks_for_a_slider_that_the_map_hides(show):
+    page = show(viewport={"width": 1366, "height": 800})
+    page.evaluate("localStorage.clear()")
+    page.reload()
+    until(page, "document.getElementById('subtitle').textContent")
+    first_step = page.locator("#first-steps")
+    slider = page.get_by_role("slider", name="Restitution", exact=True)
+    page.get_by_role("button", name="Map…").click()
+    assert [first_step.is_visible(), slider.is_visible()] == [False, False]
+    page.locator("#map-fold").click()
+    assert [first_step.is_visible(), slider.is_visible()] == [True, True]
+
+
 def test_the_number_of_a_joint_is_whole_in_the_list_of_impacts(show):
     page = show("kneed_leg")
     cell = page.locator("#impacts td:nth-child(3)").first
