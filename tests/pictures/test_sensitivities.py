@@ -215,8 +215,8 @@ def test_a_curve_ends_where_the_change_exceeds_the_range_of_an_output(chaotic):
         # the large shift of a late impact leaves no gap before earlier impacts
         assert np.isfinite(changes[0, chaotic.time < 0.9]).mean() > 0.9
         # no curve goes on, and sets the scale, where the headline says that nothing is predictable
-        assert np.isnan(changes[1, -1])
-        assert (np.isfinite(changes[0]) == np.isfinite(changes[1])).mean() > 0.99
+        ends = [np.flatnonzero(np.isfinite(parameter_changes))[-1] for parameter_changes in changes]
+        assert ends[1] == ends[0] < len(chaotic.time) - 1
     (image,) = page.axes[3].images
     assert (np.ma.getmaskarray(image.get_array()).sum(axis=1) > 0).tolist() == [True, False]
     # on a linear scale, changes of sign are no vertical strokes
