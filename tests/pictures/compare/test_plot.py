@@ -281,6 +281,13 @@ def test_a_narrow_headline_is_true_of_all_drawn_laws():
     )
 
 
+@pytest.mark.parametrize("is_small", [False, True])
+def test_the_headline_of_impulses_alone_says_that_there_is_no_peak_force(monkeypatch, is_small):
+    impulses = compare("bouncing_table", laws=["newton_impact"])
+    monkeypatch.setattr(type(impulses), "no_restitution", "the impact is not free")
+    assert comparison_headline(impulses, is_small=is_small) == "BouncingTable: no law has a peak force"
+
+
 def test_the_energy_has_the_zero_of_the_picture_of_the_motion():
     comparison = compare("pinned_arm", laws=["zhang_sharf", "hertz"])
     _, energy = comparison_page(comparison).axes

@@ -18,9 +18,9 @@ def comparison_headline(comparison: LawRuns[LawRecording], *, is_small: bool = F
     """Return the headline: ranges of realised restitutions e′ and peak forces in the first impact.
 
     The ranges are those of the laws with a force that depends on e (``laws_with_e``). If the e′ do not
-    describe the contact alone (``has_restitution``), the headline has only the peak forces. A law under which
-    the impact does not end has no e′; if no law has an e′, the headline tells only that the impact does not
-    end. A headline is a sentence.
+    describe the contact alone (``has_restitution``), the headline has only the peak forces, if any.
+    A law under which the impact does not end has no e′; if no law has an e′, the headline tells only that the
+    impact does not end. A headline is a sentence.
 
     ``is_small``: whether the headline is for a narrow figure, and must be short: it then has one range, and
     ``rest_of_headline`` has the rest.
@@ -28,11 +28,13 @@ def comparison_headline(comparison: LawRuns[LawRecording], *, is_small: bool = F
     runs, e, name = laws_with_e(comparison), comparison.contact.restitution, comparison.scene.name
     restitutions = [run.restitution for run in runs if math.isfinite(run.restitution)]
     if not comparison.has_restitution:
+        quantity, peak_text = quantity_of(comparison), peak_range_text(comparison, runs)
+        if not peak_text:
+            return f"{name}: no law has a {quantity}"
         if is_small:
-            quantity, top = quantity_of(comparison), peak_range_text(comparison, runs)
-            return f"{name}: {_with_subject(comparison, runs, quantity, top.removeprefix(f'{quantity} '))}"
+            range_text = peak_text.removeprefix(f"{quantity} ")
+            return f"{name}: {_with_subject(comparison, runs, quantity, range_text)}"
         impact_text = f"in the {compared_impact(comparison.scene)}"
-        peak_text = peak_range_text(comparison, runs)
         return f"{name}: {_reach_text(runs, _peak_count(runs))} {peak_text} {impact_text}"
     if not restitutions:
         return f"{name}: the first impact does not end under any law"
