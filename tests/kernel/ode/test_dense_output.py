@@ -40,10 +40,12 @@ def test_a_state_is_that_of_the_polynomial(d, theta):
 
 
 @pytest.mark.parametrize("theta", [0.0, 0.3, 0.8, 1.0])
-def test_the_slope_of_a_component_is_the_derivative_of_the_polynomial(d, theta):
+def test_the_slope_of_the_interpolant_is_the_derivative_of_the_polynomial(d, theta):
     step = 1e-6
     difference = (basis(theta + step) - basis(theta - step)) / (2.0 * step) @ d.step.dense[:, 3]
-    assert dense_output.slope_within(d.step, theta, 3) == pytest.approx(difference, abs=1e-9)
+    assert dense_output.slope_of_interpolant(theta, *d.step.dense[:, 3]) == pytest.approx(
+        difference, abs=1e-9
+    )
 
 
 @pytest.mark.parametrize(("end", "lowest", "highest"), [(0.3, 0.0, 0.3), (-0.2, -0.2, 0.0)])

@@ -1,6 +1,6 @@
 """Error scales: coordinates, speeds, energies, clearances and joint moments."""
 
-# Tests: kernel/ode/step_control.py, kernel/ode/error_scales.py
+# Tests: kernel/ode/step_control.py
 
 import math
 
@@ -9,7 +9,7 @@ import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.constraints.geometry import clearance_and_rate
-from chain_impact.kernel.ode import error_scales, step_control
+from chain_impact.kernel.ode import step_control
 from chain_impact.kernel.record.state import dissipated_at, omega_at, sundman_u_at, supplied_at, velocity_at
 from tests.helpers.kernel.plain import initialized
 from tests.helpers.scenes.bodies import cart
@@ -38,7 +38,7 @@ def deep(depth=1e-3, **more):
 def scales(d, y):
     """Return the error scale of each component of a state: its allowed error over the tolerance."""
     n, size = d.link_count, d.chain.longest_link
-    energy = d.chain.energy_scale + abs(y[dissipated_at(n)]) + error_scales.impact_energy(d)
+    energy = d.chain.energy_scale + abs(y[dissipated_at(n)]) + step_control.impact_energy(d)
     turns = 1.0 + np.abs(y[omega_at(n) : dissipated_at(n)])
     return np.concatenate(
         [[size, size], np.ones(n), size + np.abs(y[velocity_at(n) : omega_at(n)]), turns, [energy]]
@@ -47,9 +47,9 @@ def scales(d, y):
 
 def test_the_energy_of_impacts_is_that_of_the_masses_at_their_speeds():
     _, d, _, _ = deep()
-    assert error_scales.impact_energy(d) == pytest.approx(0.5 * 0.7 * 0.5**2 + 0.5 * 1.9 * 2.0**2, rel=1e-14)
+    assert step_control.impact_energy(d) == pytest.approx(0.5 * 0.7 * 0.5**2 + 0.5 * 1.9 * 2.0**2, rel=1e-14)
     mark_touching(d, [])
-    assert error_scales.impact_energy(d) == 0.0
+    assert step_control.impact_energy(d) == 0.0
 
 
 def test_an_error_is_that_of_its_worst_component_in_each_estimate():
@@ -67,7 +67,7 @@ def test_an_error_is_that_of_its_worst_component_in_each_estimate():
     d.scratch.y_error[:, supplied_at(LINKS) :] = 1e3
     assert step_control.scaled_errors(d) == (0.0, 0.0)
     for k, c in enumerate(touched):
-        scale, d.contacts.clearance_error[:] = error_scales.penetration_scale(d, c), 0.0
+        scale, d.contacts.clearance_error[:] = step_control.penetration_scale(d, c), 0.0
         d.contacts.clearance_error[FIRST, k], d.contacts.clearance_error[SECOND, k] = (
             -4e-6 * scale,
             1e-6 * scale,
@@ -108,10 +108,10 @@ def test_two_errors_are_the_largest_scaled_components():
 def test_scales_are_those_of_the_components_and_of_the_contacts_that_count():
     _, d, touched, y = deep()
     scales_of_state, first = scales(d, y), sundman_u_at(LINKS)
-    gaps = [error_scales.penetration_scale(d, c) for c in touched]
+    gaps = [step_control.penetration_scale(d, c) for c in touched]
     for count in (2, 0):
         weight = np.full(len(y) + 4, 7.0)
-        error_scales.set_scales(d, y.copy(), weight, count)
+        step_control.set_scales(d, y.copy(), weight, count)
         assert weight[: len(scales_of_state)] == pytest.approx(scales_of_state, rel=1e-13)
         assert weight[first : first + count] == pytest.approx(gaps[:count], rel=1e-13)
         assert (weight[len(scales_of_state) : first] == 7.0).all()
@@ -126,15 +126,15 @@ def test_a_penetration_may_be_off_as_the_speed_of_its_impact_allows():
     for speed, leeway in (
         (4.0 * size, 1.0),
         (size / 8.0, 8.0),
-        (1e-9 * size, error_scales.LARGEST_ERROR / TOLERANCE),
+        (1e-9 * size, step_control.LARGEST_ERROR / TOLERANCE),
     ):
         d.contacts.latched_speed[c] = speed
-        assert error_scales.penetration_scale(d, c) == pytest.approx(leeway * depth, rel=1e-13)
-    assert error_scales.LARGEST_ERROR == 0.01
+        assert step_control.penetration_scale(d, c) == pytest.approx(leeway * depth, rel=1e-13)
+    assert step_control.LARGEST_ERROR == 0.01
     # deeper than expected
     d.contacts.latched_speed[c], d.contacts.expected_penetration[c] = 4.0 * size, 1e-6
-    assert error_scales.penetration_scale(d, c) == pytest.approx(-clearance_and_rate(d, c)[0], rel=1e-13)
-    assert error_scales.penetration_scale(d, c) == pytest.approx(1e-4, rel=1e-9)
+    assert step_control.penetration_scale(d, c) == pytest.approx(-clearance_and_rate(d, c)[0], rel=1e-13)
+    assert step_control.penetration_scale(d, c) == pytest.approx(1e-4, rel=1e-9)
 
 
 def test_errors_of_clearances_are_errors_of_coordinates_along_normals():

@@ -187,17 +187,6 @@ def test_explicit_steps_suggest_a_switch_where_they_are_stiff(pressed, lasting):
         assert suggests_switch(d) == expected
 
 
-def test_short_explicit_steps_by_round_off_suggest_a_switch(pressed):
-    """At a tolerance of 1e-16 the round-off of positions exceeds the tolerance."""
-    d, touched = pressed
-    d.contacts.expected_penetration[touched], d.contacts.latched_speed[touched] = 1e-3, 1.0
-    d.step.end = 0.5 * methods.STIFF_STEP_IN_CONTACT / methods.fastest_contact(d)
-    for age, tolerance, expected in ((1.1, 1e-6, False), (1.1, 1e-16, True), (0.9, 1e-16, False)):
-        d.contacts.onset[touched] = d.step.end - age * methods.SUSTAINED_AFTER * 1e-3
-        d.solver.tolerance = tolerance
-        assert suggests_switch(d) == expected
-
-
 def test_implicit_steps_do_where_nothing_is_known_and_they_are_not_stiff(pressed):
     d, _ = pressed
     d.step.method, d.step.other_method_size = IMPLICIT, 0.0

@@ -39,7 +39,6 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.equations import energy_balance, mechanical_energy, other_energy
 from chain_impact.kernel.ode.dense_output import interpolate_state
 from chain_impact.kernel.ode.energy_scales import energy_scales
-from chain_impact.kernel.ode.error_scales import impact_energy
 from chain_impact.kernel.ode.last_step import (
     count_supplied,
     ensure_dense,
@@ -49,6 +48,7 @@ from chain_impact.kernel.ode.last_step import (
 )
 from chain_impact.kernel.ode.methods import STABLE_STEP, find_joint_stiffness
 from chain_impact.kernel.ode.step_control import (
+    impact_energy,
     is_accepted,
     reject_step,
     set_outcome,

@@ -27,7 +27,6 @@ from chain_impact.kernel.cost import count_evaluations, count_other_cost
 from chain_impact.kernel.equations import clear_stage_notes
 from chain_impact.kernel.mathematics.powers import power
 from chain_impact.kernel.ode.dense_output import BASIS_POWERS, interpolate_state
-from chain_impact.kernel.ode.error_scales import raise_scales, set_scales
 from chain_impact.kernel.ode.extended_state import (
     clearance_at,
     clearance_count,
@@ -62,8 +61,10 @@ from chain_impact.kernel.ode.step_control import (
     clear_faded,
     force_errors,
     largest_errors,
+    raise_scales,
     reject_step,
     set_outcome,
+    set_scales,
 )
 from chain_impact.kernel.record.constants import (
     DIVERGED,

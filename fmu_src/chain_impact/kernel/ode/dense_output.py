@@ -46,16 +46,16 @@ def change_up_to(step, theta, j):
     return theta * (step.dense[0, j] + remaining * (step.dense[1, j] + theta * low))
 
 
-def slope_within(step, theta, j):
-    """Return dy_j/dθ, the derivative of component j of the state at the fraction θ of the last step."""
-    remaining, dense = 1.0 - theta, step.dense
+def slope_of_interpolant(theta, f0, f1, f2, f3, f4, f5, f6):
+    """Return dy/dθ of the interpolant with the coefficients F₀ to F₆, at the fraction θ."""
+    remaining = 1.0 - theta
     # the factors of ``change_up_to`` from the innermost one to the outermost one, each with its derivative
-    factor = dense[5, j] + theta * dense[6, j]
-    factor, slope = dense[4, j] + remaining * factor, remaining * dense[6, j] - factor
-    factor, slope = dense[3, j] + theta * factor, factor + theta * slope
-    factor, slope = dense[2, j] + remaining * factor, remaining * slope - factor
-    factor, slope = dense[1, j] + theta * factor, factor + theta * slope
-    factor, slope = dense[0, j] + remaining * factor, remaining * slope - factor
+    factor = f5 + theta * f6
+    factor, slope = f4 + remaining * factor, remaining * f6 - factor
+    factor, slope = f3 + theta * factor, factor + theta * slope
+    factor, slope = f2 + remaining * factor, remaining * slope - factor
+    factor, slope = f1 + theta * factor, factor + theta * slope
+    factor, slope = f0 + remaining * factor, remaining * slope - factor
     return factor + theta * slope
 
 

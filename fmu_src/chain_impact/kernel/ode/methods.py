@@ -24,7 +24,6 @@ import math
 from chain_impact.kernel.chain.joints import largest_joint_rate
 from chain_impact.kernel.forces.active_contacts import clear_applied_forces, contact_slopes
 from chain_impact.kernel.ode import collocation, explicit
-from chain_impact.kernel.ode.error_scales import is_tolerance_below_round_off
 from chain_impact.kernel.ode.step_control import (
     AUTOMATIC_METHOD,
     begin_trial,
@@ -111,9 +110,9 @@ def suggests_switch(d):
     """Return whether the other method would probably cost less than the present ``step.method``.
 
     If the present method is implicit, the proposed size of the next step decides. If the present method is
-    explicit, the length of the last step decides. The result is also true for an explicit step that errors by
-    round-off make short: in sustained contacts if the tolerance is below the round-off, and, after implicit
-    steps, if the proposed size times FAR_SHORTER is less than their size (``other_method_size``).
+    explicit, the length of the last step decides. If the explicit method has replaced the implicit method,
+    the result is also true for a proposed size that, times FAR_SHORTER, is less than the size of the implicit
+    steps (``other_method_size``).
     """
     step = d.step
     if is_implicit(d):
@@ -123,9 +122,7 @@ def suggests_switch(d):
     if FAR_SHORTER * step.next_size < step.other_method_size:
         return True
     z = stiffness_number(d, step.end - step.start)
-    if z > STIFF_STEP or not are_contacts_sustained(d):
-        return z > STIFF_STEP
-    return z > STIFF_STEP_IN_CONTACT or is_tolerance_below_round_off(d, step.state_end)
+    return z > STIFF_STEP or (z > STIFF_STEP_IN_CONTACT and are_contacts_sustained(d))
 
 
 def limit_to_stable(d):

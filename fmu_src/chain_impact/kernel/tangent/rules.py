@@ -163,7 +163,16 @@ def fraction_at_time(t, time):
     theta = value(dense_output.regularized_fraction(t, elapsed))
     # dt/dθ of the interpolant: with that of the differential equation, the derivatives of the time at the
     # result would not be zero
-    rate = value(dense_output.slope_within(step, theta, time_index))
+    rate = dense_output.slope_of_interpolant(
+        theta,
+        value(step.dense[0, time_index]),
+        value(step.dense[1, time_index]),
+        value(step.dense[2, time_index]),
+        value(step.dense[3, time_index]),
+        value(step.dense[4, time_index]),
+        value(step.dense[5, time_index]),
+        value(step.dense[6, time_index]),
+    )
     error = dense_output.interpolate_component(step, theta, time_index) - elapsed
     # a Newton step for the fraction θ at the time t, from its value θ₀: θ = θ₀ − (t(θ₀) − t)/ṫ with ṫ =
     # dt/dθ; where a contact begins or ends ṫ = 0, and ``reciprocal`` sets the derivatives of θ to 0
