@@ -69,8 +69,10 @@ try:
     said = "nothing"
 except BuildError as error:
     said = str(error)
-how = f"{sys.executable} -m pip install '{Path.cwd()}[compiler]'"
-assert how in said, f"without a compiler a law of your own said {said}, and not {how}"
+how = f"{sys.executable} -m pip install "
+_, is_told, packages_to_install = said.partition(how)
+assert is_told, f"without a compiler a law of your own said {said}, and not {how}"
+assert all(f"{name}==" in packages_to_install for name in ("numba", "llvmlite", "ziglang")), said
 
 packages = Path(chain_impact.__file__).parents[1]
 of_the_environment = ("pip", "setuptools", "pkg_resources", "_distutils_hack")
