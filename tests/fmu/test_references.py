@@ -66,7 +66,7 @@ def test_every_model_keeps_to_its_reference_which_is_small(fmus, model):
 @pytest.mark.full("more cases", but=["four_link_box", "rod_drop"])
 @pytest.mark.parametrize("model", ["four_link_box", "rod_drop", "ramp"])
 def test_the_results_are_those_of_another_method_at_a_tight_tolerance(native, model):
-    """The other method is the explicit one, with the tolerance of the reference."""
+    """The reference has the scene's method, "auto"; the other method is the explicit one."""
     columns = table_of(native[model])
     expected = simulate(load_scene(model), tolerance=REFERENCE_TOLERANCE, method="explicit")
     compared = [name for name in columns if name in expected.columns]

@@ -168,7 +168,7 @@ class Recording(RecordedAttributes, OlderNames):
 
     @cached_property
     def touching_radii(self) -> dict[int, float]:
-        """Number of each point with a known contact at a wall → its radius [m], 0 if unknown."""
+        """Number of each point whose force at a wall is recorded → its radius [m], 0 if unknown."""
         radius, radii = float(self.parameters.get("contact.radius", 0.0)), site_radii(self.parameters)
         points = sorted({interaction.point for interaction in self.interactions if interaction.kind == WALL})
         radius_of = dict(enumerate(radii, self.link_count + 1))

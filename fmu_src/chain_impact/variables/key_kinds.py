@@ -29,11 +29,12 @@ def parameter_kind(
     text: str = "{}",
     **other_fields: Any,
 ) -> VariableKind:
-    """Return the kind of parameters for the values at ``scene_path`` in the scene, a template.
+    """Return the kind of parameters for the values at ``scene_path``, a path in the scene with placeholders.
 
     Unit and range are those in ``metadata`` of the key. In ``text``, ``{}`` stands for the
-    description in ``metadata``. ``other_fields`` are further attributes of ``VariableKind``; only with a
-    ``given_path`` does the kind get the rule of a derived default.
+    description in ``metadata``. ``other_fields`` are further attributes of ``VariableKind``. If the default
+    is computed from other values (``Derived``), the kind has the rule for it only together with
+    ``given_path``, the place in the record of the value that the scene itself gives.
     """
     default = metadata["default"]
     limits = {limit: metadata[limit] for limit in ("minimum", "above", "maximum")}

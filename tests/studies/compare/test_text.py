@@ -45,8 +45,8 @@ def test_no_law_is_named_whose_contact_does_not_end():
     assert advice(replace(comparison, runs=forces)).endswith(": none of these laws")
 
 
-def test_the_reach_of_an_impact_that_is_not_free_is_told_over_stiffness():
-    """Servos press the tip onto the wall: without losses its rebound has 0.70 of its approach speed."""
+def test_the_restitutions_of_an_impact_under_other_forces_are_listed():
+    """Servos press the tip onto the wall: without losses the restitution is 0.70 at K = 1e7."""
     comparison = compare(driven(), laws=["zhang_sharf", "lee_wang", "newton_impact"])
     assert not comparison.is_free
     assert [row.stiffness for row in comparison.reached] == [1e7, 1e8, 1e9]

@@ -214,7 +214,9 @@ def least_figure(
     heights = heights[heights <= most_height]
     # all heights up to the index ``low`` are too low, and all from the index ``high`` on are enough
     low, high, found_figure = -1, len(heights), None
-    step = 0  # the next step upward in ``heights`` if texts overlap where the axes are high enough
+    # After a known lack of height, the guesses go up from ``low`` by 1, 2, 4, … entries of ``heights`` while
+    # texts still overlap. ``step`` is the next of these numbers; 0 before the first known lack.
+    step = 0
     while high - low > 1:
         # The next guess follows from the lack of height at the last guess, if this lack is known and not 0.
         # Else the next guess is the middle between ``low`` and ``high``; but the height ``most_height`` comes

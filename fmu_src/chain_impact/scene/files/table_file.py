@@ -218,7 +218,8 @@ def _column(table: Table, name: str) -> np.ndarray:
 def _checked_table(source: str, names: tuple[str, ...], rows: list[list[Any]], lines: list[str]) -> Table:
     """Return the ``Table`` with these attributes; refuse a table that is not complete.
 
-    A complete table has at least one row, different names of columns, and in each row as many cells as names.
+    A complete table has at least one row, columns that each have a name of their own, and in each row as many
+    cells as names.
     """
     for k, name in enumerate(names):
         if not name or name in names[:k]:

@@ -173,7 +173,10 @@ def _function(rule: str) -> Callable[[ValueOf], Any]:
 
 
 def _function_of(part: Tree) -> Callable[[ValueOf], Any]:
-    """Return the function that computes a part of a rule; it gives None for a missing number or text."""
+    """Return the function that computes a part of a rule.
+
+    With a missing value, a name, a product or a sum gives None, and a comparison gives False.
+    """
     if "parts" not in part:
         name, constant = part.get("name"), part.get("constant")
         return (lambda value_of: value_of(name)) if name else (lambda _: constant)
