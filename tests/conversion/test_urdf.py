@@ -197,7 +197,8 @@ def test_a_link_without_shapes_beside_links_with_shapes_is_told_first(tmp_path):
     scene, result = read(tmp_path, urdf(link("bare"), sole, *joints))
     assert scene.contact.points == ()
     assert result.warnings == [
-        "link of joint a: touches nothing, as no shape there can touch; contact.points can add its ends"
+        "link of joint a: has no contact of its own, as no shape there can touch; "
+        "contact.points can add its ends"
     ]
     # without any shape, all ends touch
     scene, result = read(tmp_path, urdf(link("bare"), link("sole"), *joints))

@@ -302,7 +302,7 @@ class WallConversion:
             return
         for i in set(range(len(self.parts))) - set(touching_links):
             name = self.joints.hinges[i].joint.name
-            text = "touches nothing, as no shape there can touch; contact.points can add its ends"
+            text = "has no contact of its own, as no shape there can touch; contact.points can add its ends"
             self._tell("link of joint", name, text, 1.0)
 
     def _tell_unknown(self, i: int, contact_text: str) -> None:

@@ -122,7 +122,7 @@ def extremes(
                 for peak in known_peaks.get(style.get("label", ""), ())
                 if abs(peak - abs(value)) <= SAME_VALUE * peak
             )
-            size = next(same_peaks, abs(value))
+            size = max(same_peaks, default=abs(value))
             text = f"{'−' * (value < 0.0)}{force_text(size, unit_text(unit))}"
             look, position = {"color": style["color"]}, (float(time[row]), scale * value)
             sized_labels.append(

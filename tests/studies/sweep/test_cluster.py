@@ -161,7 +161,7 @@ def test_a_client_that_could_not_connect_is_closed(address, monkeypatch):
 
 def test_without_distributed_the_extra_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(MissingExtraError, match=r"^distributed.*pip install .*\[cluster\]"):
+    with pytest.raises(MissingExtraError, match=r"^distributed.*pip install '.*(\[cluster\]|distributed)"):
         sweep(SCENE, VARY, scheduler="tcp://127.0.0.1:9")
 
 
