@@ -76,13 +76,13 @@ def headline_parts(
     idle = idle_text(runs, quantities[0])
     for name in map(plain_name, (variation.name for variation in varying_in(runs.design))):
         # a name is not told twice: "rises with stiffness, by a factor of up to 6.3"
-        change_prefix = f"{name} changes it by "
+        prefix_text = f"{name} changes it by "
         if (
             len(parts) == 1
             and parts[0].endswith((f" with {name}", f" on {name}"))
-            and idle.startswith(change_prefix)
+            and idle.startswith(prefix_text)
         ):
-            idle = f"by {idle.removeprefix(change_prefix)}"
+            idle = f"by {idle.removeprefix(prefix_text)}"
     parts += [idle, no_impact_text(runs, quantities[0])]
     if failed:
         status_texts = [word.replace("_", " ") for word in np.unique(runs[STATUS_WORD][runs.failed])]
