@@ -73,17 +73,17 @@ def headline_parts(
     choices = (shown_quantities, shown_quantities_of(runs))
     if has_one_variation and not failed and not any(choice.has_changes(runs) for choice in choices):
         parts = [f"{plain_name(varying_in(runs.design)[0].name)} changes none of the results"]
-    idle = idle_text(runs, quantities[0])
+    effects_text = idle_text(runs, quantities[0])
     for name in map(plain_name, (variation.name for variation in varying_in(runs.design))):
         # a name is not told twice: "rises with stiffness, by a factor of up to 6.3"
         prefix_text = f"{name} changes it by "
         if (
             len(parts) == 1
             and parts[0].endswith((f" with {name}", f" on {name}"))
-            and idle.startswith(prefix_text)
+            and effects_text.startswith(prefix_text)
         ):
-            idle = f"by {idle.removeprefix(prefix_text)}"
-    parts += [idle, no_impact_text(runs, quantities[0])]
+            effects_text = f"by {effects_text.removeprefix(prefix_text)}"
+    parts += [effects_text, no_impact_text(runs, quantities[0])]
     if failed:
         status_texts = [word.replace("_", " ") for word in np.unique(runs[STATUS_WORD][runs.failed])]
         parts.append(f"{failed} failed ({mark}{names_text(status_texts, MOST_REASONS)})")
