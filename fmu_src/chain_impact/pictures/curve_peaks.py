@@ -30,23 +30,24 @@ def drawn_peaks(recording: Recording, curves: Curves) -> list[Peak]:
     """Return those of ``largest_peaks`` whose force or moment has a curve."""
     labels = []
     for peak in largest_peaks(recording):
-        impact = recording.impacts[peak.row]
-        point, wall = impact["point"], recording.wall_names[impact["wall"]]
-        is_stop = recording.is_joint_stop(impact["wall"])
-        name = f"joint[{point}].stop_moment" if is_stop else f"contact[{point}].{wall}.force"
-        if peak.name.startswith("peak") and name in curves.values:
+        output = output_of_contact(recording, recording.impacts[peak.row])
+        if peak.name.startswith("peak") and output in curves.values:
             labels.append(peak)
     return labels
+
+
+def output_of_contact(recording: Recording, impact: np.void) -> str:
+    """Return the output with the force or moment of the contact in ``impact``, a row of ``impacts``."""
+    point, wall = impact["point"], recording.wall_names[impact["wall"]]
+    is_stop = recording.is_joint_stop(impact["wall"])
+    return f"joint[{point}].stop_moment" if is_stop else f"contact[{point}].{wall}.force"
 
 
 def peaks_of_contacts(recording: Recording) -> dict[str, list[float]]:
     """Return output → the peaks of all its impacts [N], [N·m], for normal forces and moments of stops."""
     found_peaks: dict[str, list[float]] = {}
     for impact in recording.impacts:
-        point, wall = impact["point"], recording.wall_names[impact["wall"]]
-        is_stop = recording.is_joint_stop(impact["wall"])
-        name = f"joint[{point}].stop_moment" if is_stop else f"contact[{point}].{wall}.force"
-        found_peaks.setdefault(name, []).append(float(impact["peak_force"]))
+        found_peaks.setdefault(output_of_contact(recording, impact), []).append(float(impact["peak_force"]))
     return found_peaks
 
 

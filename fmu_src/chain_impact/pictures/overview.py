@@ -24,7 +24,7 @@ from chain_impact.pictures.overview_layout import (
     axes_of,
     broadness,
     has_legend_beside,
-    is_beside,
+    is_motion_beside,
     is_over_time,
     size_for,
 )
@@ -57,7 +57,7 @@ def draw_overview(
     """Draw the panels named ``panels`` on an empty figure; without names, those of ``panels_to_draw``.
 
     A motion in the plane is to the left of the panels over time or, if there is no room for that
-    (``is_beside``) or if ``is_above``, above these panels. In a narrow figure, the legend of a slim
+    (``is_motion_beside``) or if ``is_above``, above these panels. In a narrow figure, the legend of a slim
     motion is beside the motion, unless a panel is there. If the title is "", a sentence on the run is the
     headline; None means no headline.
 
@@ -96,7 +96,7 @@ def draw_overview(
         settle(figure)
     else:
         ratio = broadness(recording)
-        is_alone = is_above or len(panel_axes) == 1 or not is_beside(ratio, figure.get_figwidth())
+        is_alone = is_above or not is_motion_beside(recording, shown_panels, figure.get_figwidth())
         _settle_motion(figure, motion, recording, ratio, is_alone=is_alone)
     figure.set_layout_engine("none")  # nothing moves while labels are placed
     used_pixels = UsedPixels(figure)

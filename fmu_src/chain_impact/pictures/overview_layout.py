@@ -102,6 +102,13 @@ def is_beside(ratio: float, width: float) -> bool:
     return ratio <= BROADEST_BESIDE and (1.0 - motion_share(ratio, width)) * width >= LEAST_BESIDE
 
 
+def is_motion_beside(recording: Recording, shown_panels: Sequence[str], width: float) -> bool:
+    """Return whether a motion in the plane and panels over time are shown, and it stands beside them."""
+    time_panels = [name for name in shown_panels if is_in_column(recording, name)]
+    has_both = 0 < len(time_panels) < len(shown_panels)
+    return has_both and is_beside(broadness(recording), width)
+
+
 def heights_of(recording: Recording, shown_panels: Sequence[str], width: float) -> list[float]:
     """Return the heights of the panels over time, relative to the height of the panel of energies.
 
@@ -130,7 +137,7 @@ def size_for(
     width = figure_size(size)[0] if size else FULL_WIDTH
     time_panels = [name for name in shown_panels if is_in_column(recording, name)]
     ratio = broadness(recording)
-    has_columns = is_beside(ratio, width) and not is_above
+    has_columns = is_motion_beside(recording, shown_panels, width) and not is_above
     if not time_panels or "motion" not in shown_panels:
         return FIGURE_SIZE
     is_column = width <= COLUMN and "motion" not in time_panels and not has_columns
@@ -163,7 +170,7 @@ def axes_of(
     ratio = broadness(recording) if has_motion else 1.0
     heights = heights_of(recording, shown_panels, width)
     names = [*time_panels, *(["time"] if time_panels and has_motion else [])]
-    if has_motion and time_panels and is_beside(ratio, width) and not is_above:
+    if is_motion_beside(recording, shown_panels, width) and not is_above:
         share = motion_share(ratio, width)
         columns = figure.add_gridspec(1, 2, width_ratios=[share, 1.0 - share])
         anchor = "NW" if has_legend_beside(ratio, width) else "N"

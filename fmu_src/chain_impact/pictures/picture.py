@@ -14,7 +14,8 @@ from chain_impact.pictures.curves import curves_size, draw_curve_figure
 from chain_impact.pictures.drawing.figures import FIGURE_SIZE, DrawContents, NoRoomError, draw_figure
 from chain_impact.pictures.drawing.sizes import Size
 from chain_impact.pictures.impact import IMPACT_SIZE, draw_impact
-from chain_impact.pictures.overview import draw_overview, usual_overview_size
+from chain_impact.pictures.overview import draw_overview, panels_to_draw, usual_overview_size
+from chain_impact.pictures.overview_layout import is_motion_beside
 from chain_impact.pictures.sensitivities import draw_sensitivities
 from chain_impact.recording.curves import Curves
 from chain_impact.recording.impact_course import ImpactCourse
@@ -54,9 +55,11 @@ def overview_picture(
     The arguments are those of ``draw_overview`` and of ``usual_overview_size``, which raise errors.
     """
     draw = partial(draw_overview, recording=recording, panels=panels, title=title)
-    spare_size = usual_overview_size(recording, panels, size, is_above=True)
-    spare = Picture(partial(draw, is_above=True), spare_size)
-    return Picture(draw, usual_overview_size(recording, panels, size), spare)
+    usual_size, spare = usual_overview_size(recording, panels, size), None
+    if is_motion_beside(recording, panels_to_draw(recording, panels), usual_size[0]):
+        spare_size = usual_overview_size(recording, panels, size, is_above=True)
+        spare = Picture(partial(draw, is_above=True), spare_size)
+    return Picture(draw, usual_size, spare)
 
 
 def curves_picture(recording: Recording, curves: Curves, title: str | None = "") -> Picture:

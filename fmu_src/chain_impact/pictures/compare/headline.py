@@ -28,14 +28,13 @@ def comparison_headline(comparison: LawRuns[LawRecording], *, is_small: bool = F
     runs, e, name = laws_with_e(comparison), comparison.contact.restitution, comparison.scene.name
     restitutions = [run.restitution for run in runs if math.isfinite(run.restitution)]
     if not comparison.has_restitution:
-        quantity, peak_text = quantity_of(comparison), peak_range_text(comparison, runs)
-        if not peak_text:
+        quantity, range_text = quantity_of(comparison), peak_range(comparison, runs)
+        if not range_text:
             return f"{name}: no law has a {quantity}"
         if is_small:
-            range_text = peak_text.removeprefix(f"{quantity} ")
             return f"{name}: {_with_subject(comparison, runs, quantity, range_text)}"
         impact_text = f"in the {compared_impact(comparison.scene)}"
-        return f"{name}: {_reach_text(runs, _peak_count(runs))} {peak_text} {impact_text}"
+        return f"{name}: {_reach_text(runs, _peak_count(runs))} {quantity} {range_text} {impact_text}"
     if not restitutions:
         return f"{name}: the first impact does not end under any law"
     ends = dict.fromkeys((f"{min(restitutions):.2f}", f"{max(restitutions):.2f}"))
@@ -104,14 +103,19 @@ def law_count_text(law_runs: Sequence[LawRecording], count: int) -> str:
 
 
 def peak_range_text(comparison: LawRuns[LawRecording], runs: Sequence[LawRecording]) -> str:
+    """Return the quantity and its ``peak_range``, "peak force 1.2 to 1.5 kN", or ""."""
+    range_text = peak_range(comparison, runs)
+    return f"{quantity_of(comparison)} {range_text}" if range_text else ""
+
+
+def peak_range(comparison: LawRuns[LawRecording], runs: Sequence[LawRecording]) -> str:
     """Return words for the range of the peak forces or moments of ``runs`` that are above 0, or ""."""
     peak_forces = [run.peak_force for run in runs if run.peak_force > 0.0]
     unit = unit_at("peak_force", is_stop=comparison.is_at_stop)
     if not peak_forces:
         return ""
     factor, unit = load_unit(max(peak_forces), unit)
-    ends = with_unit(span_text(factor * min(peak_forces), factor * max(peak_forces)), unit)
-    return f"{quantity_of(comparison)} {ends}"
+    return with_unit(span_text(factor * min(peak_forces), factor * max(peak_forces)), unit)
 
 
 def quantity_of(comparison: LawRuns[LawRecording]) -> str:

@@ -73,16 +73,7 @@ def headline_parts(
     choices = (shown_quantities, shown_quantities_of(runs))
     if has_one_variation and not failed and not any(choice.has_changes(runs) for choice in choices):
         parts = [f"{plain_name(varying_in(runs.design)[0].name)} changes none of the results"]
-    effects_text = idle_text(runs, quantities[0])
-    for name in map(plain_name, (variation.name for variation in varying_in(runs.design))):
-        # a name is not told twice: "rises with stiffness, by a factor of up to 6.3"
-        prefix_text = f"{name} changes it by "
-        if (
-            len(parts) == 1
-            and parts[0].endswith((f" with {name}", f" on {name}"))
-            and effects_text.startswith(prefix_text)
-        ):
-            effects_text = f"by {effects_text.removeprefix(prefix_text)}"
+    effects_text = idle_text(runs, quantities[0], parts[0] if len(parts) == 1 else "")
     parts += [effects_text, no_impact_text(runs, quantities[0])]
     if failed:
         status_texts = [word.replace("_", " ") for word in np.unique(runs[STATUS_WORD][runs.failed])]
@@ -154,8 +145,11 @@ def shares_on(
     }
 
 
-def idle_text(runs: SweepRuns, quantity: Quantity) -> str:
+def idle_text(runs: SweepRuns, quantity: Quantity, sentence: str = "") -> str:
     """Return words for the varied parameters of a grid that hardly matter: "initial.x has no effect".
+
+    The words follow a ``sentence``; if this ends with the name of the first of these parameters, as in "rises
+    with stiffness", they do not repeat it: "by a factor of up to 6.3".
 
     A parameter hardly matters if its effect is at most SMALL_EFFECT. Of three parameters, the words always
     have the one that differs from map to map, with its largest change in one place of the maps. The text
@@ -171,15 +165,16 @@ def idle_text(runs: SweepRuns, quantity: Quantity) -> str:
         axis = runs.design.variations.index(variation)
         changes = np.ma.ptp(values, axis=axis)
         effect = float(changes.max()) / largest_value
+        name = plain_name(variation.name)
+        is_named = not idle_names and sentence.endswith((f" with {name}", f" on {name}"))
+        change_text = "by" if is_named else f"{name} changes it by"
         if variation in series and effect > NO_EFFECT:
             # in each place of the maps, the change is compared with the values there
-            idle_names.append(f"{plain_name(variation.name)} changes it by {_most_change(values, axis)}")
+            idle_names.append(f"{change_text} {_most_change(values, axis)}")
         elif effect <= NO_EFFECT:
-            idle_names.append(f"{plain_name(variation.name)} has no effect")
+            idle_names.append(f"{name} has no effect")
         elif effect <= SMALL_EFFECT:
-            idle_names.append(
-                f"{plain_name(variation.name)} changes it by ≤ {number_text(100.0 * effect, 2)} %"
-            )
+            idle_names.append(f"{change_text} ≤ {number_text(100.0 * effect, 2)} %")
     return ", ".join(idle_names)
 
 
