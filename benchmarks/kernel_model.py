@@ -399,7 +399,7 @@ def link(lowered_file: Path, links: compilers.KernelScope, library: Path) -> Non
     compilers.compile_part(lowered_file.read_text(), functions, HOST, compilers.KERNEL, links)
     compilers.prepare_zig(HOST)
     registers = compilers.INTERFACE / "common" / "registers.c"
-    compilers._zig_library(HOST, library, functions, registers, *compilers.write_stubs(library, None))
+    compilers.link_library(HOST, library, functions, registers, *compilers.write_stubs(library, None))
 
 
 @cache

@@ -1,6 +1,6 @@
 """The lowered kernel: equal sources give equal bytes, without traces of the process that lowered them."""
 
-# Tests: compilation/collecting.py
+# Tests: compilation/collecting.py, compilation/numba_parts.py
 
 import re
 import shutil
@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 from numba.core import typed_passes, untyped_passes
-from numba.np import arrayobj
 
 from chain_impact.compilation import compilers, library
 from chain_impact.compilation.collecting import IDLE, Library
 from chain_impact.compilation.errors import BuildError
+from chain_impact.compilation.numba_parts import arrayobj, base, codegen, compiler_machinery, cpu
 from chain_impact.compilation.sources import PACKAGE
 from tests.tiers import needs_compilers
 
@@ -109,6 +109,13 @@ def test_numba_has_what_is_replaced_and_left_out():
     steps = {getattr(member, "_name", "") for module in modules for member in vars(module).values()}
     assert steps >= IDLE
     assert callable(arrayobj.fix_integer_index)
+    replaced = {
+        codegen.JITCPUCodegen: ("_library_class", "set_env"),
+        cpu.CPUContext: ("call_conv", "create_cfunc_wrapper"),
+        base.BaseContext: ("get_abi_sizeof",),
+        compiler_machinery.PassManager: ("_runPass",),
+    }
+    assert [name for part, names in replaced.items() for name in names if name not in vars(part)] == []
 
 
 def test_an_index_is_not_compared_with_zero(module):

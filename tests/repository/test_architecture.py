@@ -138,7 +138,14 @@ def test_only_the_lowering_imports_numba():
     compilers = ("numba", "llvmlite")
     users = {file.stem for file in MODULES if len(others(file, compilers)) < len([*imported(file)])}
     of_lowering = {"collecting", "dual_numbers", "entry_points", "functions", "law", "record_type"}
-    assert users == {"built_in", "lower", *of_lowering}
+    assert users == {"built_in", "lower", "numba_parts", *of_lowering}
+
+
+def test_one_module_imports_the_parts_of_numba_that_may_move():
+    """A new version of numba may move or change what is in these packages; the other names are documented."""
+    parts = re.compile(r"numba\.(?!extending$)")
+    files = [*MODULES, *(ROOT / "benchmarks").rglob("*.py")]
+    assert {file.stem for file in files if any(map(parts.match, imported(file)))} == {"numba_parts"}
 
 
 def test_the_package_can_be_imported_where_it_is_not_installed():
@@ -327,6 +334,28 @@ def test_only_one_helper_uses_private_parts_of_chains_and_instances():
     files = [file for room in ("tests", "benchmarks", "docs/tools") for file in (ROOT / room).rglob("*.py")]
     users = [file for file in files if use.search(file.read_text("utf-8")) and private(file, False) & names]
     assert [file.name for file in users] == ["kernel_calls.py"]
+
+
+TOOL_FILES = [
+    file for room in ("benchmarks", "docs/tools", "packaging", ".ci") for file in (ROOT / room).rglob("*.py")
+]
+
+
+@pytest.mark.parametrize("file", TOOL_FILES, ids=lambda file: f"{file.parent.name}/{file.stem}")
+def test_what_is_beside_the_package_uses_no_private_part_of_it(file):
+    """A private function or class may be renamed with its module alone."""
+    imports = [
+        node
+        for node in nodes(file)
+        if isinstance(node, ast.ImportFrom) and "chain_impact" in str(node.module)
+    ]
+    names = {alias.asname or alias.name for node in imports for alias in node.names}
+    parts = [
+        node.attr
+        for node in nodes(file)
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id in names
+    ]
+    assert [name for name in [*names, *parts] if re.match(r"_[a-z]", name)] == []
 
 
 HELPERS, SCENARIOS = ROOT / "tests" / "helpers", ROOT / "tests" / "scenarios"

@@ -12,10 +12,10 @@ from typing import Any
 
 from llvmlite import ir
 from numba import types
-from numba.core import cgutils
 from numba.extending import lower_builtin, type_callable
 
 from chain_impact.compilation.affine import SAMPLES, Affine, affine
+from chain_impact.compilation.numba_parts import cgutils
 from chain_impact.compilation.record_type import (
     INSTANCE,
     TABLES,

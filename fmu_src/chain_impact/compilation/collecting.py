@@ -16,8 +16,17 @@ from functools import partialmethod
 from typing import Any
 
 from llvmlite import binding as llvm, ir
-from numba.core import base, callconv, cgutils, codegen, compiler_machinery, cpu, types
-from numba.np import arrayobj
+from numba import types
+
+from chain_impact.compilation.numba_parts import (
+    arrayobj,
+    base,
+    callconv,
+    cgutils,
+    codegen,
+    compiler_machinery,
+    cpu,
+)
 
 IDLE = frozenset(
     {"inline_closure_likes", "inline_inlinables", "inline_overloads", "nopython_rewrites", "with_lifting"}

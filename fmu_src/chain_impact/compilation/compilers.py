@@ -233,7 +233,7 @@ def link(parts: Collection[Path], library: Path, platform: str, law: Path | None
     prepare_zig(platform)
     try:
         stub_files = write_stubs(library, law, derivatives=len(parts) > 1)
-        _zig_library(platform, library, *parts, *interface_sources(), *stub_files)
+        link_library(platform, library, *parts, *interface_sources(), *stub_files)
     except BuildError as error:
         missing_symbol = _MISSING_NUMBA_SYMBOL.search(str(error))
         if law and missing_symbol:
@@ -262,7 +262,7 @@ def prepare_zig(platform: str) -> None:
             # the library must contain code, because zig crashes at an empty library for macOS
             something = Path(scratch, "something.c")
             something.write_text(STUB_CODE.replace("hidden", "default").format("something"), encoding="utf-8")
-            _zig_library(platform, Path(scratch, "library"), something)
+            link_library(platform, Path(scratch, "library"), something)
             (folder / f"prepared-{platform}").touch()
 
 
@@ -271,7 +271,7 @@ def interface_sources() -> list[Path]:
     return sorted(INTERFACE.rglob("*.c"))
 
 
-def _zig_library(platform: str, library: Path, *inputs: Path) -> None:
+def link_library(platform: str, library: Path, *inputs: Path) -> None:
     """Compile those inputs that are sources, and link all inputs to a shared library for a platform."""
     target = PLATFORMS[platform].target
     options = ["-shared", "-s"]

@@ -19,11 +19,15 @@ from typing import Any
 
 from llvmlite import ir
 from numba import boolean, float64, types
-from numba.core import cgutils
-from numba.core.typeconv import Conversion
-from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import lower_builtin, lower_cast, models, register_model
 
+from chain_impact.compilation.numba_parts import (
+    AbstractTemplate,
+    Conversion,
+    cgutils,
+    infer_global,
+    signature,
+)
 from chain_impact.kernel.tangent import duals
 from chain_impact.kernel.tangent.duals import DIRECTIONS
 

@@ -7,13 +7,13 @@ from types import FunctionType
 from typing import Any
 
 from numba import float64, int64, njit, types
-from numba.core.imputils import lower_constant
 from numba.extending import models, register_model, typeof_impl
 
 import chain_impact.kernel
 from chain_impact.compilation import built_in
 from chain_impact.compilation.compilers import HOOKS
 from chain_impact.compilation.dual_numbers import DUAL, Dual
+from chain_impact.compilation.numba_parts import lower_constant
 from chain_impact.compilation.record_type import INSTANCE, TANGENT
 from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.mass_matrix_solver import COMPLEX_RULES

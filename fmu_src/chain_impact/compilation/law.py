@@ -15,10 +15,10 @@ from types import ModuleType
 from typing import Any
 
 from numba import float64, types
-from numba.core.errors import NumbaError
 from numba.extending import lower_builtin
 
 from chain_impact.compilation.functions import LAW_FORCE, MODULES, compiled_function
+from chain_impact.compilation.numba_parts import NumbaError
 from chain_impact.kernel.forces.user_law import LAW_ARGUMENTS
 from chain_impact.kernel.mathematics import angles, exponentials, logarithms, powers
 from chain_impact.user_laws.law_file import LawError, UserLaw

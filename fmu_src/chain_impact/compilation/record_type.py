@@ -18,8 +18,6 @@ from typing import Any
 import numpy as np
 from llvmlite import ir
 from numba import from_dtype, types
-from numba.core import cgutils
-from numba.core.typing.templates import AttributeTemplate
 from numba.extending import (
     infer_getattr,
     intrinsic,
@@ -31,6 +29,7 @@ from numba.extending import (
 
 from chain_impact.compilation.affine import SAMPLES, Affine, affine
 from chain_impact.compilation.dual_numbers import DUAL
+from chain_impact.compilation.numba_parts import AttributeTemplate, cgutils
 from chain_impact.kernel.record.counts import COUNTS, FEATURES
 from chain_impact.kernel.record.fields import REAL, is_table
 from chain_impact.kernel.record.instance import instance_dtype

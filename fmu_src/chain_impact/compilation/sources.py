@@ -14,7 +14,7 @@ PACKAGE = Path(__file__).parents[1]
 # find, store and describe kernels.
 MAKERS = (
     *("affine", "browser", "built_in", "collecting", "compilers", "dual_numbers", "entry_points"),
-    *("functions", "law", "lower", "record_type", "signatures"),
+    *("functions", "law", "lower", "numba_parts", "record_type", "signatures"),
 )
 # The folders and files of the package from which kernels are made.
 COMPILED = (
