@@ -223,7 +223,7 @@ def test_the_ground_mark_goes_with_a_base_that_moves(show_recording):
 def newtons(text):
     """Return the force [N] in a text."""
     value, unit = text.split("\u202f")
-    return float(value) * {"N": 1.0, "kN": 1e3, "MN": 1e6}[unit]
+    return float(value) * {"mN": 1e-3, "N": 1.0, "kN": 1e3, "MN": 1e6}[unit]
 
 
 def test_arrows_show_a_weight_and_a_peak_with_a_ruler(show_recording):
@@ -242,6 +242,30 @@ def test_arrows_show_a_weight_and_a_peak_with_a_ruler(show_recording):
         assert length > 15.0  # pixels
     go_to(page, hardest["onset"] + 0.4 * (hardest["end"] - hardest["onset"]))
     assert 1.0 < max(page.evaluate(LENGTHS)) / max(lengths) < 10.0
+
+
+def test_arrows_of_impulses_have_a_ruler_of_their_own(show_recording):
+    """Whether a force is drawn at the same time decides on the ruler of a motion that has both."""
+    table, rod = (record_slowly(model) for model in ("bouncing_table", "clattering_rod"))
+    page = show_recording(table)
+    for viewport in (DESK, PHONE):
+        page.set_viewport_size(viewport)
+        impact = table.impacts[0]
+        go_to(page, impact["onset"] + 1e-3)
+        marks = {newtons(text.removesuffix("·s")): at for text, at in page.evaluate(RULER)}
+        top = max(marks)
+        assert page.evaluate(LENGTHS) == [
+            pytest.approx(marks[top] * (impact["impulse"] / top) ** (1 / 3), rel=0.01)
+        ]
+        assert page.text_content(".ruler-name").startswith("impulse")
+        assert page.evaluate(ON_OTHERS) == []
+    page = show_recording(rod)
+    names = [page.text_content(".ruler-name")]
+    go_to(page, rod.impacts["onset"][0] + 1e-3)
+    names.append(page.text_content(".ruler-name"))
+    press(page, "End")
+    names.append(page.text_content(".ruler-name"))
+    assert [name.removesuffix(" (cube root)") for name in names] == ["force", "impulse", "force"]
 
 
 def test_a_drag_in_the_drawing_selects_no_text(show_recording):

@@ -360,7 +360,7 @@ def test_a_rigid_wall_has_a_chart_of_impulses_and_an_arrow(show):
     assert title.inner_text().endswith(f", {words}, rigid")
     is_whole = "(text) => text.scrollWidth <= text.clientWidth && text.scrollHeight <= text.clientHeight"
     assert title.evaluate(is_whole)
-    assert page.text_content(".ruler-name") == "force, not impulse (cube root)"
+    assert page.text_content(".ruler-name") == "force (cube root)", "the ball rests at the end"
     assert page.inner_text("#contact-quantity") == "Impulses"
     assert page.inner_text("#force .peak") == words
     assert page.locator("#force-loop").is_hidden()
@@ -369,6 +369,8 @@ def test_a_rigid_wall_has_a_chart_of_impulses_and_an_arrow(show):
     go_to(page, first["onset"] + 0.02)
     assert page.locator(".arrow").count() == 1
     assert page.text_content(".force-text") == words
+    assert page.text_content(".ruler-name") == "impulse (cube root)"
+    assert page.text_content(".ruler-text").endswith("N·s")
     go_to(page, first["onset"] + 0.4)
     assert page.locator(".arrow").count() == 0, "the arrow is seen for a moment"
     card = page.locator("#contact").bounding_box()

@@ -1,8 +1,9 @@
-// The lengths of the arrows of forces. The weight of a link and the peak of an impact can differ by a factor of a thousand,
+// The lengths of the arrows of forces, and of those of impulses. The weight of a link and the peak of an impact can differ by a factor of a thousand,
 // and both must be visible: the length is proportional to the cube root of the force, and at least LEAST_ARROW. A ruler shows the scale.
+// The scale of impulses is the same, with N·s in place of N.
 // The twin in Python is `pictures/film/arrow_scale.py`.
 
-import { forceText } from "../base/format.js";
+import { amountText } from "../base/format.js";
 
 // DECADES: largest number of powers of ten on the ruler of forces; LONGEST_ARROW: length of the largest force's arrow, relative to the
 // shorter side of the drawing
@@ -13,9 +14,9 @@ const LETTER = 6.5; // [pixels] approximate width of a letter of the ruler's num
 const NUMBERS_APART = 6; // [pixels] least distance between two numbers
 
 export class ArrowScale {
-  /** Make the scale for forces up to the largest, `peak` [N], in a drawing of some `width` and `height` [pixels]. */
-  constructor(peak, width, height) {
-    Object.assign(this, { peak, longest: LONGEST_ARROW * Math.min(width, height) });
+  /** Make the scale for forces up to the largest, `peak` [N, or another `unit`], in a drawing of some `width` and `height` [pixels]. */
+  constructor(peak, width, height, unit = "N") {
+    Object.assign(this, { peak, unit, longest: LONGEST_ARROW * Math.min(width, height) });
   }
 
   /** Return the length [pixels] that a force [N] has on the scale, however short. */
@@ -48,7 +49,7 @@ export class ArrowScale {
     let free = Infinity;
     return Array.from({ length: DECADES }, (_, k) => 10 ** (highest - k)).flatMap((force) => {
       const at = this.#lengthOnScale(force);
-      const text = forceText(force, 0);
+      const text = amountText(force, this.unit, 0);
       const half = (LETTER * text.length) / 2;
       if (at < MARKS_FROM || at + half > free) return [];
       free = at - half - NUMBERS_APART;

@@ -8,7 +8,7 @@ import { STOPS } from "../scene/geometry.js";
 import { ArrowScale } from "./arrow_scale.js";
 import { Camera } from "./camera.js";
 import { isCrossed, LabelSpace, positionsAround } from "./label_positions.js";
-import { impulsesOf, isOwnPlace, numbersText, recentImpacts, ringsOf } from "./rings.js";
+import { impulsesOf, isOwnPlace, largestImpulse, numbersText, recentImpacts, ringsOf } from "./rings.js";
 import { drawStrip, STRIP } from "./scale_strip.js";
 import { drawRail } from "./slider_rail.js";
 import { traceFinder, traceOf } from "./trace.js";
@@ -142,14 +142,16 @@ export class ChainDrawing {
     const [width, height] = this.size;
     this.drawing.size(width, height).viewbox(0, 0, width, height);
     this.camera = new Camera(this.lens ? { view: this.lens, anchor: [0.5, 0.5] } : this.recording, width, height, STRIP);
-    this.arrowScale = new ArrowScale(this.recording.peakForce, width, height);
+    const { recording } = this;
+    this.arrowScale = new ArrowScale(recording.peakForce, width, height);
+    this.impulseScale = new ArrowScale(largestImpulse(recording), width, height, "N·s");
+    this.ruler = undefined;
     this.ground.clear();
     this.ground.rect(width, height).fill(this.hatch);
     this.walls = this.ground.group();
     this.#drawWalls(0);
     this.pin = this.recording.pin.map((line) => [line, this.ground.polyline().addClass("pin")]);
     this.rail = drawRail(this.ground, this.stopTexts, this.recording, (points) => this.#toScreen(points));
-    drawStrip(this.strip, this);
     this.discs.forEach(([, ownRadius, disc]) => disc.radius(ownRadius * this.camera.scale));
     const trace = traceOf(this.recording, this.camera);
     ({ frames: this.traceFrames, positions: this.tracePositions } = trace);
@@ -209,11 +211,23 @@ export class ChainDrawing {
     this.labelSpace.avoid((box) => lines.some((line) => isCrossed(box, line)));
     [...this.dots.map(([point]) => all[point]), ...letters].forEach((at) => this.labelSpace.reserveAround(at));
     const rings = this.#drawRings(frame);
-    const texts = [...this.#drawArrows(frame), ...this.#drawLoads(frame), ...impulsesOf(recording, rings)
-      .flatMap(({ position, away, length, text }) => this.#arrow(position, away, length, "force", text))];
+    const texts = [...this.#drawArrows(frame), ...this.#drawLoads(frame)];
+    const impulses = impulsesOf(recording, rings);
+    this.#showRuler(impulses.length > 0, this.arrows.find(".arrow").length > 0);
+    texts.push(...impulses.flatMap(({ position, away, impulse, text }) =>
+      this.#arrow(position, away, this.impulseScale.lengthOf(impulse), "force", text)));
     texts.forEach((text) => this.#label(...text)); // labels are written after all arrows are drawn, so that they keep off each arrow
     this.#drawNames(all, bodies);
     this.#numberRings(rings);
+  }
+
+  /** Show the ruler of impulses if these have arrows, but forces have none, or if no wall has a force; else that of forces. */
+  #showRuler(hasImpulses, hasForces) {
+    const isOfImpulses = !this.arrowScale.peak || (hasImpulses && !hasForces);
+    const name = isOfImpulses ? "impulse" : hasImpulses ? "force, not impulse" : "force";
+    if (name === this.ruler?.name) return;
+    this.ruler = { name, scale: isOfImpulses ? this.impulseScale : this.arrowScale };
+    drawStrip(this.strip, this);
   }
 
   /**

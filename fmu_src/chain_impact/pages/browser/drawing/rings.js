@@ -10,7 +10,6 @@ const [LEAST_RADIUS, RINGS_APART] = [7, 3];
 const OWN_DISTANCE = 0.8; // the distance of a number from its ring must be smaller than this times its distance from any other ring
 const NUMBERED_PART = 0.5; // fraction of RING_TIME for which a ring has its number beside it
 const PALE_OPACITY = 0.1; // a ring with a smaller opacity may lie behind a label
-const IMPULSE_ARROW = 72; // [pixels] length of the arrow of the largest impulse
 const NUMBERS = 8; // largest number of impacts that have their numbers at one time
 const SHOWN_RUNS = 3; // largest number of runs of successive numbers that stand beside a ring
 
@@ -55,21 +54,22 @@ export function numbersText(numbers) {
 }
 
 /**
- * Return the arrows of the impulses of rigid walls at recent impacts, whose `rings` are still seen: each with the `position` and `away` of
- * its ring, its `length` [pixels] and its `text`. The lengths are in proportion to the cube roots of the impulses.
+ * Return the impulses of rigid walls at recent impacts, whose `rings` are still seen: each with the `position` and `away` of its ring, its
+ * `impulse` [N·s] and its `text`.
  */
 export function impulsesOf({ impacts }, rings) {
-  const recent = rings.filter(({ number, isSeen }) => isSeen && isImpulse(impacts[number - 1]));
-  if (!recent.length) return [];
-  const most = Math.max(...impacts.filter(isImpulse).map(({ impulse }) => impulse));
-  return recent.map(({ number, ...ring }) => {
-    const impact = impacts[number - 1];
-    return { ...ring, length: IMPULSE_ARROW * Math.cbrt(impact.impulse / most), text: impulseText(impact) };
-  });
+  return rings.map(({ number, ...ring }) => ({ ...ring, impact: impacts[number - 1] }))
+    .filter(({ impact, isSeen }) => isSeen && isImpulse(impact))
+    .map(({ impact, ...ring }) => ({ ...ring, impulse: impact.impulse, text: impulseText(impact) }));
+}
+
+/** Return the largest impulse of rigid walls [N·s], or 0 without any. */
+export function largestImpulse({ impacts }) {
+  return Math.max(0, ...impacts.filter(isImpulse).map(({ impulse }) => impulse));
 }
 
 /** Return whether an impact is an impulse of a rigid wall: neither that of a stop of a joint, nor that of a rest, which grows with time. */
-export const isImpulse = (impact) =>
+const isImpulse = (impact) =>
   hasImpulseOnly(impact) && !impact.atStop && impact.impulse > 0 && Number.isFinite(impact.separation_speed ?? NaN);
 
 /** Return a function: middle of a place for the numbers of a ring → whether it is clearly nearer to the ring than to any other. */

@@ -1,14 +1,9 @@
-// The strip at the top of the drawing: scale bar, ruler of forces, and legend of arrows. The view of the motion lies below it.
-
-import { isImpulse } from "./rings.js";
+// The strip at the top of the drawing: scale bar, ruler of forces or of impulses, and legend of arrows. The view of the motion lies below it.
 
 const KEY = 64; // [pixels] width of each entry of the legend of arrows
 const [STRIP_LETTER, BESIDE_BAR] = [7, 8]; // [pixels] width of a letter in the strip, and distance of the text to the scale bar
 const MARK_TO_HEAD = 8; // [pixels] least distance between the last mark of the ruler and its arrowhead
 const RULER_LETTER = 6; // [pixels] width of a letter of the ruler's name
-// names of the ruler, and with impulses, whose arrows have a scale of their own; the first name that leaves room for the scale bar is shown
-const RULER_NAMES = ["force (cube root)", "force", ""];
-const FORCES_ONLY = ["force, not impulse (cube root)", "force, not impulse", ""];
 const LONGEST_BAR = 1 / 6; // largest length of the scale bar, relative to the width of the strip to the left of any legend
 const BAR_TEXT = 6; // largest number of letters in the text beside the scale bar
 export const STRIP = 30; // [pixels] height of the strip
@@ -20,17 +15,17 @@ export function belowStrip([[x0, y0], [x1, y1]]) {
   return ends.map((share) => [x0 + share * (x1 - x0), y0 + share * (y1 - y0)]);
 }
 
-/** Draw the strip of a `ChainDrawing`; in an enlarged drawing, where links may cross the strip, it has a ground of its own. */
-export function drawStrip(group, { recording, arrowScale, camera, size: [width], lens }) {
+/** Draw the strip of a `ChainDrawing` with its `ruler`; in an enlarged drawing, where links may cross the strip, it has a ground of its own. */
+export function drawStrip(group, { recording, ruler, camera, size: [width], lens }) {
   group.clear();
   if (lens) group.rect(width, STRIP).addClass("strip-ground");
   const free = recording.drawn.loads.length ? drawKey(group, width) : width;
-  const rulerEnd = recording.peakForce > 0 ? drawRuler(group, arrowScale, free, recording.impacts.some(isImpulse)) : 0;
+  const rulerEnd = ruler.scale.peak > 0 ? drawRuler(group, ruler, free) : 0;
   drawScaleBar(group, camera.scale, free, rulerEnd);
 }
 
 /**
- * Draw a scale bar of a round length, at most LONGEST_BAR × `width`: in the middle or, if the ruler of forces reaches so far, to the right
+ * Draw a scale bar of a round length, at most LONGEST_BAR × `width`: in the middle or, if the ruler reaches so far, to the right
  * of the ruler's end, `rulerEnd` [pixels]. A bar that would end beyond `width` is not drawn. `width`: that of the strip to the left of any
  * legend [pixels]; `scale`: in pixels per metre.
  */
@@ -49,11 +44,10 @@ function drawScaleBar(group, scale, width, rulerEnd) {
 }
 
 /**
- * Draw the ruler of an `ArrowScale` with its marks, up to the largest force, but at least MARK_TO_HEAD beyond the last mark; write the
- * ruler's longest name that fits into the `width`; `hasImpulses`: whether the motion has impulses. Return the horizontal position of the
- * end of the name [pixels].
+ * Draw the ruler of an `ArrowScale` (`scale`) with its marks, up to its peak, but at least MARK_TO_HEAD beyond the last mark; write what the
+ * arrows are (`name`) as far as it fits into the `width`. Return the horizontal position of the end of this text [pixels].
  */
-function drawRuler(group, { longest, marks }, width, hasImpulses) {
+function drawRuler(group, { name, scale: { longest, marks } }, width) {
   const [left, y] = [12, STRIP - 7];
   const right = left + Math.max(longest, ...marks.map(({ at }) => at + MARK_TO_HEAD));
   group.line([[left, y], [right, y]]).addClass("bar ruler");
@@ -64,9 +58,9 @@ function drawRuler(group, { longest, marks }, width, hasImpulses) {
   group.polygon([[right + 7, y], [right, y - 4], [right, y + 4]]).addClass("ruler-head");
   const end = right + 12;
   const free = (1 - LONGEST_BAR) * width - STRIP_LETTER * BAR_TEXT - 2 * BESIDE_BAR - end;
-  const name = (hasImpulses ? FORCES_ONLY : RULER_NAMES).find((text) => RULER_LETTER * text.length <= free) ?? "";
-  group.plain(name).attr({ x: end, y: y + 4 }).addClass("ruler-name");
-  return end + RULER_LETTER * name.length;
+  const shown = [`${name} (cube root)`, name].find((text) => RULER_LETTER * text.length <= free) ?? "";
+  group.plain(shown).attr({ x: end, y: y + 4 }).addClass("ruler-name");
+  return end + RULER_LETTER * shown.length;
 }
 
 /**
