@@ -82,6 +82,31 @@ def test_a_phone_shows_force_and_result_beside_the_slider_that_moves(show):
     assert row.locator(".outcome").inner_text() == f"{len(run.impacts)} impacts, largest {peak_text}"
 
 
+def test_a_phone_tells_the_first_step_and_marks_what_leads_to_it(show):
+    page = show(viewport=PHONE, has_touch=True)
+    line, parameters = page.locator("#first-steps"), page.get_by_role("link", name="Parameters")
+    page.evaluate("localStorage.clear()")
+    page.reload()
+    until(page, "document.body.dataset.step === '0'")
+    colour = "element => getComputedStyle(element).backgroundColor"
+    plain = page.get_by_role("link", name="Charts").evaluate(colour)
+    assert line.is_visible()
+    assert parameters.evaluate(colour) != plain
+    box, stage = (page.locator(name).bounding_box() for name in ("#first-steps", "#stage"))
+    assert box["y"] + box["height"] <= stage["y"]
+    resize(page, **ON_ITS_SIDE)
+    assert line.is_hidden(), "there is no room for words"
+    assert page.locator("#parameters-fold").evaluate(colour) != page.locator("#pin").evaluate(colour)
+    resize(page, **PHONE)
+    parameters.tap()
+    page.locator("#main-parameters").get_by_role("slider").first.press("PageDown")
+    until(page, "document.body.dataset.step === '1'")
+    assert parameters.evaluate(colour) == plain
+    page.evaluate("scrollTo(0, 0)")
+    line.get_by_role("button").tap()
+    assert line.is_hidden()
+
+
 def test_the_status_of_a_phone_does_not_cover_the_refused_field(show):
     page = show(viewport=PHONE, has_touch=True)
     enter(page, "initial.y", "-1")
