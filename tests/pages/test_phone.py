@@ -5,7 +5,7 @@
 import pytest
 
 from chain_impact import load_scene, simulate
-from tests.pages.in_pages import ON_ITS_SIDE, PHONE, enter, resize, until, until_text
+from tests.pages.in_pages import ON_ITS_SIDE, PHONE, enter, impacts_of, resize, until, until_text
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
@@ -117,6 +117,17 @@ def test_the_status_of_a_phone_does_not_cover_the_refused_field(show):
     tabs = page.locator("#jumps").bounding_box()
     assert tabs["y"] + tabs["height"] <= box["y"]
     assert box["y"] + box["height"] <= page.locator("#status").bounding_box()["y"]
+
+
+@pytest.mark.parametrize("size", [PHONE, ON_ITS_SIDE], ids=["upright", "on its side"])
+def test_a_phone_tells_the_whole_result_of_a_change_in_one_line(show, size):
+    page = show("double_pendulum_wall", viewport=size, has_touch=True)
+    page.evaluate("chainImpact.show({'contact.restitution': 0.4})")
+    until_text(page, impacts_of({"contact.restitution": 0.4}, "double_pendulum_wall"))
+    subtitle, title = (page.locator(name) for name in ("#subtitle", "h1"))
+    assert subtitle.inner_text() == "4 impacts in 2.5 s"
+    assert not page.evaluate(IS_CUT_OFF, "subtitle")
+    assert subtitle.bounding_box()["y"] < title.bounding_box()["y"] + title.bounding_box()["height"]
 
 
 def test_a_refused_value_on_a_phone_has_no_result_of_an_old_one(show):

@@ -1,6 +1,6 @@
 // The player: the parts of the page that show a recording, and the loop that draws them.
 
-import { byId } from "../base/dom.js";
+import { byId, make } from "../base/dom.js";
 import { rateText } from "../base/format.js";
 import { CurveCharts } from "../charts/curve_charts.js";
 import { ForceChart } from "../charts/force_chart.js";
@@ -67,7 +67,7 @@ export class Player {
     [this.drawing, this.impacts].forEach((part) => part.show(recording));
     this.clock.show(recording);
     this.showControls();
-    byId("subtitle").textContent = subtitle(recording);
+    byId("subtitle").replaceChildren(...subtitle(recording));
     byId("caption-room").dataset.longest = longestImpactText(recording);
     if (first) this.#begin();
     else this.drawSoon();
@@ -117,8 +117,10 @@ export class Player {
   }
 }
 
-/** Return words for a recording: its numbers of links and impacts, and its duration. */
+/** Return words for a recording: an element with its number of links, if there is room, and its number of impacts with the duration. */
 function subtitle({ links, impacts: { length: count }, start, end }) {
-  return `${links} link${links === 1 ? "" : "s"}, ` +
-    `${count} impact${count === 1 ? "" : "s"} in ${+(end - start).toPrecision(4)} s`;
+  return [
+    make("span", { className: "wide", textContent: `${links} link${links === 1 ? "" : "s"}, ` }),
+    `${count} impact${count === 1 ? "" : "s"} in ${+(end - start).toPrecision(4)} s`,
+  ];
 }
