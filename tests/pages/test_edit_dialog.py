@@ -13,11 +13,12 @@ import tomlkit
 from chain_impact import load_scene, simulate
 from chain_impact.scene.files.models import scene_file_path
 from chain_impact.scene.scene import scene_to_dict
-from tests.pages.in_pages import LOCAL_LINK, TEXTS, bits, enter, until, until_text
+from tests.pages.in_pages import DESK, LOCAL_LINK, PHONE, TEXTS, bits, enter, until, until_text
 from tests.pages.javascript import function_of
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
+FILL = "field => getComputedStyle(field).backgroundColor"
 COLOUR = "text => getComputedStyle(text).color"
 SPRING = {"damping": 3.0, "stiffness": 40.0, "rest_position": 0.05}
 """Keys of the slider → values that the test of a slider gives."""
@@ -196,6 +197,30 @@ def refused_fields(page):
     return page.locator("#edit input:invalid").evaluate_all(
         "fields => fields.map((field) => [field.getAttribute('aria-label'), field.value])"
     )
+
+
+@pytest.mark.parametrize("size", [DESK, PHONE], ids=["desk", "phone"])
+def test_the_field_whose_value_the_solver_refuses_is_marked_in_sight(show, size):
+    """The edit is a valid scene, whose motion cannot start, so that the run tells of it, and not the field."""
+    page = show(viewport=size)
+    page.get_by_role("button", name="Edit…").click()
+    marked = page.locator("#edit td input[aria-invalid=true]")
+    edit(page, "box.x_max", "0.2")
+    until_text(page, "cannot start", "status")
+    assert marked.get_attribute("aria-label") == "box.x_max"
+    plain, red = (field.evaluate(FILL) for field in (page.get_by_label("box.x_min"), marked))
+    assert plain != red
+    box, foot = (place.bounding_box() for place in (marked, page.locator("#edit form")))
+    assert box["y"] + box["height"] < foot["y"]
+    close, status = (page.locator(name).bounding_box() for name in ("#edit form > button", "#status"))
+    assert close["y"] + close["height"] <= status["y"]
+    edit(page, "link[1].mass", "2")
+    until(page, "chainImpact.parameters['link[1].mass'] === '2'")
+    assert marked.get_attribute("aria-label") == "box.x_max", "the later edit is not the reason"
+    page.get_by_role("button", name="Undo the edit").click()
+    until(page, "chainImpact.parameters['link[1].mass'] !== '2'")
+    page.get_by_role("button", name="Undo the edit").click()
+    until(page, "!document.querySelector('#edit [aria-invalid=true]')")
 
 
 def test_a_refused_text_stays_until_it_is_mended_or_given_up(show):

@@ -18,6 +18,8 @@ import { SceneText } from "./scene_text.js";
 export class Editor {
   #edits = new Map(); // name of a field or button → the function that applies its edit to a scene file
   #refused = new Map(); // name of a field → its refused `text`, which stays until it is mended or given up, and `told`, why it is refused
+  #taken = {}; // `name` of the field whose text was taken last, and `scene` with it
+  #failing = ""; // name of the field with whose text the runs began to fail; "" while they have a motion
 
   /** Connect the dialog with its buttons and with dropped files; `keys`: the rules of the keys of scene files, with units and labels. */
   constructor(changes, openScene, keys) {
@@ -117,9 +119,27 @@ export class Editor {
   #take(name, text) {
     this.#refused.delete(name);
     this.#change(this.#editOf(name, text), (error) => this.#refused.set(name, { text, told: this.#refusalText(error) }));
-    if (!this.#refused.has(name)) return;
+    if (!this.#refused.has(name)) {
+      this.#taken = { name, scene: this.changes.scene };
+      return;
+    }
     this.#say("");
     this.dialog.querySelector("tr:has(input:invalid) + .told")?.scrollIntoView({ block: "nearest" });
+  }
+
+  /** Mark the field whose text the solver refuses, until a run has a motion (`hasMotion`). */
+  tellRun(hasMotion) {
+    const { name, scene } = this.#taken;
+    const failing = hasMotion ? "" : this.#failing || (scene === this.changes.scene ? name : "");
+    if (failing === this.#failing) return;
+    this.#failing = failing;
+    this.#mark();
+    this.dialog.querySelector("tr:has([aria-invalid=true])")?.scrollIntoView({ block: "center" });
+  }
+
+  #mark() {
+    this.dialog.querySelectorAll("td input").forEach((field) =>
+      field.setAttribute("aria-invalid", !field.validity.valid || field.getAttribute("aria-label") === this.#failing));
   }
 
   /** Apply the refused texts again, because another edit may allow them or change why they are refused. */
@@ -200,6 +220,7 @@ export class Editor {
     this.#fill(byId("edit-walls"), ofWalls, file.walls.map((wall, k) => this.#wallRow(wall, k)));
     byId("edit-walls").hidden = byId("edit-walls-title").hidden = file.walls.length === 0;
     [...this.#refused.keys()].filter((name) => !this.#edits.has(name)).forEach((name) => this.#refused.delete(name));
+    this.#mark();
   }
 
   /** Return the keys with a label in a table of scene files: the keys that the editor shows. */
@@ -217,7 +238,7 @@ export class Editor {
   #heads(table, shown = this.#keysIn(table)) {
     return shown.map((key) => {
       const { label, unit } = this.tables[table][key];
-      return [label, unit && shownIn({ unit }).text].filter(Boolean).join(", ");
+      return [capitalized(label), unit && shownIn({ unit }).text].filter(Boolean).join(", ");
     });
   }
 

@@ -92,6 +92,7 @@ const simulation = new Simulation(beginEngine, changes, choice, (parts, about, o
     comparedMotions.show();
   }
   showOutcome(parts ? player.recording : undefined);
+  editor.tellRun(Boolean(parts));
   window.begun.finishLoad();
 });
 /** Go to the `time` and pin the motions `pins` of a link; what the link lacks is undefined. A new run then fits the view to all pins. */
