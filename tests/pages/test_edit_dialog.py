@@ -201,7 +201,7 @@ def refused_fields(page):
 
 @pytest.mark.parametrize("size", [DESK, PHONE], ids=["desk", "phone"])
 def test_the_field_whose_value_the_solver_refuses_is_marked_in_sight(show, size):
-    """The edit is a valid scene, whose motion cannot start, so that the run tells of it, and not the field."""
+    """The edit is a valid scene, whose motion cannot start: the run tells of it, and not the field."""
     page = show(viewport=size)
     page.get_by_role("button", name="Edit…").click()
     marked = page.locator("#edit td input[aria-invalid=true]")

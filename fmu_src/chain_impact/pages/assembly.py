@@ -19,8 +19,9 @@ FRAGMENTS = ("stage", "panels", "playback")
 IMPORT = re.compile(r'^import [^;]+ from "([^"]+)";\n', re.MULTILINE)
 EXPORT = re.compile(r"^export (?=async|class|const|function)", re.MULTILINE)
 # pattern of what a script does not need: comments, // or /** … */, that take whole lines, empty lines, spaces
-# at the start of a line, comments at the end of a line after one of ;,{}()[], and spaces beside signs and braces that
-# no text for readers has; no module may have a template literal of several lines, or such a comment in a string
+# at the start of a line, comments at the end of a line after one of ;,{}()[], and spaces beside signs and
+# braces that no text for readers has; no module may have a template literal of several lines, or such a
+# comment in a string
 SIGNS = "(?:=>|[=!]==|&&|[|]{2})"
 STRIPPED_FROM_SCRIPTS = re.compile(
     rf"^(?:\s+|//.*\n|/\*\*[\s\S]*?\*/\n)+|(?<=[;,{{}}()\[\]]) +// .*$| (?={SIGNS} )"
