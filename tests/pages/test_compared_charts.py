@@ -26,7 +26,9 @@ def test_a_chart_of_force_tells_why_it_has_no_curve_of_a_pin(show):
     until_text(page, impacts_of(changes))
     for number in (expected.index(True) + 1, expected.index(False) + 1):
         page.get_by_role("button", name=f"Go to impact {number}, ").click()
-        until(page, f"document.getElementById('contact-name').textContent.startsWith('impact {number}: ')")
+        until(
+            page, f"document.getElementById('contact-name').textContent.startsWith('impact\u00a0{number}: ')"
+        )
         assert (page.evaluate(PIXELS, ["force", "pin-1"]) > 20) is expected[number - 1]
         assert ("; A: " not in page.text_content("#contact-name")) is expected[number - 1]
         assert page.locator("#contact-name").evaluate(
@@ -50,7 +52,9 @@ def test_a_chart_with_curves_of_pins_alone_is_titled_by_their_letters(show):
     names = set()
     for number in range(1, 15):
         page.get_by_role("button", name=f"Go to impact {number}, ").click()
-        until(page, f"document.getElementById('contact-name').textContent.startsWith('impact {number}: ')")
+        until(
+            page, f"document.getElementById('contact-name').textContent.startsWith('impact\u00a0{number}: ')"
+        )
         names.add(page.text_content("#contact-name").partition("; ")[2])
     assert "A, B: no such impact near" in names
     assert "A: no such impact near; B: no such impact near" not in names
@@ -59,7 +63,7 @@ def test_a_chart_with_curves_of_pins_alone_is_titled_by_their_letters(show):
 def test_the_card_of_the_force_stays_at_a_stop_with_impulses_alone(show):
     page = show("kneed_leg", {"stop.restitution": 0.5})
     assert page.text_content("#contact-name").startswith(
-        "impact 1: joint 3 at max (point 2), 6.35\u202fmN·m·s, "
+        "impact\u00a01: joint 3 at max (point 2), 6.35\u202fmN·m·s, "
     )
     assert page.locator("#contact").is_visible()
 

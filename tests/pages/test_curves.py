@@ -329,7 +329,7 @@ def test_the_chosen_impact_stays_when_a_chart_is_added(show):
         page.evaluate(
             "() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)))"
         )
-        assert page.text_content("#contact-name").startswith(f"impact {number}: ")
+        assert page.text_content("#contact-name").startswith(f"impact\u00a0{number}: ")
 
 
 def test_a_chart_is_read_by_mouse_and_keys_while_the_motion_stays(show, result):

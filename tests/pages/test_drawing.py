@@ -61,7 +61,7 @@ def test_the_page_shows_time_forces_energies_and_the_trace(show_recording, recor
     assert float(arrow.get_attribute("y2")) < float(arrow.get_attribute("y1"))  # up, from the floor
     assert arrow.get_attribute("x2") == arrow.get_attribute("x1")
     assert re.fullmatch(r"[\d.]+\skN", page.text_content(".force-text"))
-    assert page.text_content("#contact-name").startswith("impact 1: point 2 at the floor, ")
+    assert page.text_content("#contact-name").startswith("impact\u00a01: point 2 at the floor, ")
     press(page, "s")
     assert page.inner_text("#rate") == "real time"
     go_to(page, 0.9)

@@ -204,19 +204,19 @@ def test_the_field_whose_value_the_solver_refuses_is_marked_in_sight(show, size)
     """The edit is a valid scene, whose motion cannot start: the run tells of it, and not the field."""
     page = show(viewport=size)
     page.get_by_role("button", name="Edit…").click()
-    marked = page.locator("#edit td input[aria-invalid=true]")
+    failing = page.locator("#edit td input[aria-invalid=true]")
     edit(page, "box.x_max", "0.2")
     until_text(page, "cannot start", "status")
-    assert marked.get_attribute("aria-label") == "box.x_max"
-    plain, red = (field.evaluate(FILL) for field in (page.get_by_label("box.x_min"), marked))
+    assert failing.get_attribute("aria-label") == "box.x_max"
+    plain, red = (field.evaluate(FILL) for field in (page.get_by_label("box.x_min"), failing))
     assert plain != red
-    box, foot = (place.bounding_box() for place in (marked, page.locator("#edit form")))
+    box, foot = (place.bounding_box() for place in (failing, page.locator("#edit form")))
     assert box["y"] + box["height"] < foot["y"]
     close, status = (page.locator(name).bounding_box() for name in ("#edit form > button", "#status"))
     assert close["y"] + close["height"] <= status["y"]
     edit(page, "link[1].mass", "2")
     until(page, "chainImpact.parameters['link[1].mass'] === '2'")
-    assert marked.get_attribute("aria-label") == "box.x_max", "the later edit is not the reason"
+    assert failing.get_attribute("aria-label") == "box.x_max", "the later edit is not the reason"
     page.get_by_role("button", name="Undo the edit").click()
     until(page, "chainImpact.parameters['link[1].mass'] !== '2'")
     page.get_by_role("button", name="Undo the edit").click()

@@ -276,6 +276,19 @@ def test_a_long_run_does_not_freeze_the_page_and_gives_way_to_the_next(show):
     until_text(page, "14 impacts in 2 s")
 
 
+def test_a_button_that_is_pressed_before_the_page_is_ready_acts_later(browser, address):
+    """The presses come when the page is read, before its program begins. They pause no motion."""
+    presses = "['pin', 'export-open', 'play'].forEach((id) => document.getElementById(id).click())"
+    script = f"document.addEventListener('readystatechange', () => {{ {presses}; }}, {{ once: true }});"
+    page = browser.new_page()
+    page.add_init_script(script)
+    page.goto(address)
+    page.locator("#pins tbody tr").nth(1).wait_for()
+    assert page.locator("#export").is_visible()
+    until(page, "document.body.matches('.playing')")
+    page.close()
+
+
 @pytest.mark.parametrize("changes", ["", "#simulation.stop_time=0.1"])
 def test_the_page_is_loaded_when_it_shows_its_first_motion(show, changes):
     page = show(hash_=changes, begins=False)

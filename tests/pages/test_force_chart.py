@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from chain_impact import load_scene
+from chain_impact import load_scene, simulate
 from chain_impact.studies.animate import record_slowly
 from tests.pages.in_pages import (
     go_to,
@@ -55,10 +55,10 @@ def test_a_contact_that_lasts_is_the_present_one(show):
     page = show("pinned_arm", {"initial.angle[1]": np.pi / 3})
     name, row = page.locator("#contact-name"), page.locator("#impacts [aria-current] td")
     go_to(page, 0.438)
-    assert name.text_content() == "impact 7: point 1 at the right wall, 1.6\u202fs, its beginning"
+    assert name.text_content() == "impact\u00a07: point 1 at the right wall, 1.6\u202fs, its beginning"
     for time in (1.2, 2.0):
         assert go_to(page, time) == time
-        assert name.text_content() == "impact 7: point 1 at the right wall, 1.6\u202fs, around now"
+        assert name.text_content() == "impact\u00a07: point 1 at the right wall, 1.6\u202fs, around now"
         assert page.inner_text("#caption").startswith("Impact 7 of 10, in contact since 0.433\u202fs: ")
         assert row.first.inner_text() == "7"
         assert page.inner_text("#force .peak") == page.text_content("#scene .force-text")
@@ -66,7 +66,16 @@ def test_a_contact_that_lasts_is_the_present_one(show):
     dot = page.locator("#force .loop-now").bounding_box()
     assert dot["x"] + dot["width"] / 2 == pytest.approx(now["x"] + now["width"] / 2, abs=0.6)
     go_to(page, 1.867)
-    assert name.text_content().startswith("impact 10: ")
+    assert name.text_content().startswith("impact\u00a010: ")
+
+
+def test_a_moment_after_an_impulse_has_the_number_of_its_largest_value(show):
+    page = show("kneed_leg")
+    go_to(page, simulate("kneed_leg").impacts["onset"][0])
+    until(page, "document.querySelector('#force .peak').checkVisibility()")
+    number, unit = page.inner_text("#force .peak").split("\u202f")
+    assert float(number) > 0
+    assert unit in {"N·m", "mN·m"}
 
 
 def test_the_number_of_an_impulse_is_at_its_line_or_in_the_title_alone(show_recording):

@@ -409,7 +409,7 @@ def test_the_line_on_an_impact_is_whole_before_the_impact_and_in_it(show, model,
     for onset in simulate(model).impacts["onset"][:5]:
         for time_before, words in ((1e-3, "Next is impact "), (-1e-4, " m/s, ")):
             go_to(page, onset - time_before)
-            assert words in page.inner_text("#caption").replace("\u202f", " ")
+            assert words in page.inner_text("#caption").replace("\u202f", " ").replace("\u2060", "")
             assert not page.evaluate(IS_CUT_OFF, "caption"), page.inner_text("#caption")
 
 

@@ -134,7 +134,7 @@ def test_clicks_keys_slider_and_chart_go_to_a_moment(show_recording, recording):
         contact_text = f"point {impact['point']} at the {wall}"
         caption = page.inner_text("#caption")
         assert caption.startswith(f"Impact {number} of 14: {page.text_content('.force-text')}, ")
-        assert caption.endswith(f"m/s, {contact_text}")
+        assert caption.endswith(f"m/\u2060s, {contact_text}")
         assert page.inner_text("tr[aria-current] button") == str(number)
     assert press(page, "Home") == 0.0
     times = [press(page, key) for key in ["Shift+ArrowRight"] * 3 + ["Shift+ArrowLeft"]]
@@ -176,7 +176,7 @@ def named(page):
     return (
         int(page.inner_text("tr[aria-current] button")),
         int(re.search(r"mpact (\d+) of 14", page.inner_text("#caption"))[1]),
-        int(re.match(r"impact (\d+): ", page.text_content("#contact-name"))[1]),
+        int(re.match(r"impact\u00a0(\d+): ", page.text_content("#contact-name"))[1]),
     )
 
 
@@ -222,7 +222,7 @@ def test_the_latest_of_overlapping_contacts_is_named(show_recording, until_next)
         time_of(page)
         assert page.inner_text("tr[aria-current] button") == str(number)
         assert re.match(rf"Impact {number} of 2: .*, point {number - 1} at ", page.inner_text("#caption"))
-        assert page.text_content("#contact-name").startswith(f"impact {number}: point {number - 1} ")
+        assert page.text_content("#contact-name").startswith(f"impact\u00a0{number}: point {number - 1} ")
     go_to(page, 0.0125)
     assert page.inner_text("tr[aria-current] button") == "2"
 

@@ -55,6 +55,21 @@ def test_no_label_is_on_a_ring_a_link_or_an_edge(show_recording, model):
         assert any(text.endswith("with friction") for text in texts)
 
 
+def test_the_numbers_of_a_disc_are_apart_and_not_on_its_outline(show_recording):
+    recording = record_slowly("ramp")
+    page = show_recording(recording)
+    for viewport in (DESK, PHONE):
+        page.set_viewport_size(viewport)
+        for time in (0.0, *(recording.impacts["onset"][:4] + 1e-3)):
+            go_to(page, time)
+            assert page.evaluate(CROSSED) == []
+            numbers = page.locator(".point-number:visible")
+            assert numbers.count() == 2
+            boxes = [number.bounding_box() for number in numbers.all()]
+            distances = [abs(boxes[0][axis] - boxes[1][axis]) for axis in "xy"]
+            assert distances[0] > 14 or distances[1] > 8, "0 and 1 do not read as 01"
+
+
 def test_the_number_of_an_impact_is_at_its_own_ring(show_recording):
     recording = record_slowly("thrown_brick")
     page, onsets = show_recording(recording), recording.impacts["onset"]

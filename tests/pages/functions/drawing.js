@@ -21,7 +21,7 @@ export const onOthers = () => {
 export const crossedTexts = () => {
   const seen = (kinds) => [...document.querySelectorAll(kinds)].filter((element) => getComputedStyle(element).visibility === "visible");
   const { width, height } = document.querySelector("#scene").getBoundingClientRect();
-  const circles = seen(".ring").filter((ring) => Number(ring.getAttribute("opacity")) > 0.15)
+  const circles = seen(".ring, .disc").filter((ring) => Number(ring.getAttribute("opacity") ?? 1) > 0.15)
     .map((ring) => [ring.cx, ring.cy, ring.r].map((number) => number.baseVal.value));
   const onLinks = seen("polyline.link").flatMap((link) => [...link.points].slice(1).flatMap(({ x, y }, k) => {
     const from = link.points[k];

@@ -81,7 +81,8 @@ export function writerOf(arrays) {
 export function contactTitle(contact) {
   const { number, peak_force, what } = contact;
   const impulse = peak_force === null ? impulseText(contact) : "";
-  return `${number ? `impact ${number}: ` : ""}${placeText({ ...contact, what: pointName(what) ?? what })}${impulse && `, ${impulse}`}`;
+  const place = placeText({ ...contact, what: pointName(what) ?? what });
+  return `${number ? `impact\u00a0${number}: ` : ""}${place}${impulse && `, ${impulse}`}`;
 }
 
 export function axisOptions(options = {}) {

@@ -174,14 +174,18 @@ export class ForceChart extends Chart {
     super.mark(x);
     if (!this.courses || x === undefined) return;
     if (this.isAroundNow) {
-      this.peakAt = [this.plot.valToPos(x, "x"), this.plot.valToPos(this.forceNow, "y")];
+      // without a force now, the largest force in the part has the number
+      const isNow = this.forceNow > NO_FORCE || this.top < 0;
+      const [along, up] = isNow ? [x, this.forceNow] : [this.plot.data[0][this.top], this.peak];
+      this.peakAt = [this.plot.valToPos(along, "x"), this.plot.valToPos(up, "y")];
       this.dot.style.transform = `translate(${this.peakAt[0]}px, ${this.peakAt[1]}px)`;
-      this.peakText.textContent = forceText(this.forceNow, 3, this.unit.peak_force);
-      this.dot.hidden = this.peakText.hidden = this.line.hidden;
+      this.peakText.textContent = forceText(up, 3, this.unit.peak_force);
+      this.dot.hidden = !isNow || this.line.hidden;
+      this.peakText.hidden = isNow && this.line.hidden;
     }
     if (this.peakText.hidden) return;
     const isNear = Math.abs(this.plot.valToPos(x, "x") - this.peakAt[0]) < NEAR_LINE;
-    if (isNear || this.isNearLine) this.#placePeak();
+    if (isNear || this.isNearLine || this.isAroundNow) this.#placePeak();
   }
 
   /**
@@ -299,7 +303,8 @@ export class ForceChart extends Chart {
     const [low, high] = this.#alongRange(penetration);
     const isIn = (x) => loop !== null || (x >= low && x <= high);
     const inRange = ([along, up]) => up.filter((_, k) => isIn(along[k]));
-    this.top = shown.peak_force ? force.reduce((best, value, k) => (isIn(times[k]) && value > (force[best] ?? 0) ? k : best), -1) : -1;
+    const highestIn = () => force.reduce((best, value, k) => (isIn(times[k]) && value > (force[best] ?? 0) ? k : best), -1);
+    this.top = shown.peak_force || this.isAroundNow ? highestIn() : -1;
     const hasPeak = shown.peak_force && isIn(shown.peakTime - shown.onset);
     this.peak = hasPeak ? shown.peak_force : force[this.top]; // the peak may lie between two rows
     const ownForces = impulses ? impulses[1] : hasPeak ? [shown.peak_force] : inRange([times, force]);

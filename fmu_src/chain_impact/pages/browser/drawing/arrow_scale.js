@@ -1,6 +1,6 @@
-// The lengths of the arrows of forces, and of those of impulses. The weight of a link and the peak of an impact can differ by a factor of a thousand,
+// The lengths of the arrows of forces. The weight of a link and the peak of an impact can differ by a factor of a thousand,
 // and both must be visible: the length is proportional to the cube root of the force, and at least LEAST_ARROW. A ruler shows the scale.
-// The scale of impulses is the same, with N·s in place of N.
+// Arrows of impulses have a scale of the same kind.
 // The twin in Python is `pictures/film/arrow_scale.py`.
 
 import { amountText } from "../base/format.js";

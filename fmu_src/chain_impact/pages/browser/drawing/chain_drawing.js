@@ -7,7 +7,7 @@ import { lastBefore } from "../recording/recording.js";
 import { STOPS } from "../scene/geometry.js";
 import { ArrowScale } from "./arrow_scale.js";
 import { Camera } from "./camera.js";
-import { isCrossed, LabelSpace, positionsAround } from "./label_positions.js";
+import { isCrossed, LabelSpace, outOfBody, outOfChain, positionsAround } from "./label_positions.js";
 import { impulsesOf, isOwnPlace, largestImpulse, numbersText, recentImpacts, ringsOf } from "./rings.js";
 import { drawStrip, STRIP } from "./scale_strip.js";
 import { drawRail } from "./slider_rail.js";
@@ -32,31 +32,6 @@ const NUMBER_GAP = 18; // [pixels] distance from a point to its number
 const NAME_MULTIPLES = [1, 1.25, 1.5];
 const MOST_NUMBERED_LINKS = 12; // with more links, points have no numbers
 const MANY_LINKS = 60; // from this number of links on, the chain is drawn as one line without joints
-
-/**
- * Return a unit vector on the screen, away from the chain at a point: along the link at an end, outwards at a bend, else across the links.
- */
-function outOfChain(positions, point) {
-  const [x, y] = positions[point];
-  const directions = [positions[point - 1], positions[point + 1]].filter(Boolean).map(([x1, y1]) => {
-    const length = Math.hypot(x1 - x, y1 - y) || 1;
-    return [(x1 - x) / length, (y1 - y) / length];
-  });
-  const bend = [0, 1].map((axis) => directions.reduce((sum, direction) => sum - direction[axis], 0));
-  const size = Math.hypot(...bend);
-  return size > 0.2 ? bend.map((component) => component / size) : [directions[0][1], -directions[0][0]];
-}
-
-/** Return a unit vector on the screen out of a body: from its middle to `position`, after the body is scaled to a square. */
-function outOfBody(position, corners) {
-  const vector = position.map((at, axis) => {
-    const reach = corners.map((corner) => corner[axis]);
-    const [low, high] = [Math.min(...reach), Math.max(...reach)];
-    return (2 * at - low - high) / (high - low || 1);
-  });
-  const size = Math.hypot(...vector) || 1;
-  return vector.map((component) => component / size);
-}
 
 export class ChainDrawing {
   constructor(element) {
@@ -210,6 +185,7 @@ export class ChainDrawing {
     const { letters, lines } = this.comparedNow();
     this.labelSpace.avoid((box) => lines.some((line) => isCrossed(box, line)));
     [...this.dots.map(([point]) => all[point]), ...letters].forEach((at) => this.labelSpace.reserveAround(at));
+    this.discs.forEach(([point, ownRadius]) => this.labelSpace.reserveRing({ position: all[point], radius: ownRadius * camera.scale }));
     const rings = this.#drawRings(frame);
     const texts = [...this.#drawArrows(frame), ...this.#drawLoads(frame)];
     const impulses = impulsesOf(recording, rings);

@@ -4,7 +4,7 @@
 const [LETTER_WIDTH, NARROW_WIDTH, LINE_HEIGHT] = [0.72, 0.42, 1.2];
 const NARROW_LETTERS = /[fijlrt.,:'\s]/g;
 const BESIDE_LINE = 3; // [pixels] least distance between a label and a drawn line
-const BESIDE_TEXT = 4; // [pixels] least distance between two labels side by side, so that they do not read as one text
+const BESIDE_TEXT = 8; // [pixels] least distance between two labels side by side, so that they do not read as one text
 // a place at which a label would cover what labels should avoid is tried AVOIDED places (two rounds of directions) later
 const AVOIDED = 16;
 const FROM_EDGE = 3; // [pixels] least distance between a label and an edge of the drawing
@@ -132,4 +132,29 @@ export function positionsAround([x, y], [dx, dy], distance, multiples = [1, 2]) 
  */
 function anchorOf(dx) {
   return Math.abs(dx) < 0.5 ? "middle" : dx > 0 ? "start" : "end";
+}
+
+/**
+ * Return a unit vector on the screen, away from the chain at a point: along the link at an end, outwards at a bend, else across the links.
+ */
+export function outOfChain(positions, point) {
+  const [x, y] = positions[point];
+  const directions = [positions[point - 1], positions[point + 1]].filter(Boolean).map(([x1, y1]) => {
+    const length = Math.hypot(x1 - x, y1 - y) || 1;
+    return [(x1 - x) / length, (y1 - y) / length];
+  });
+  const bend = [0, 1].map((axis) => directions.reduce((sum, direction) => sum - direction[axis], 0));
+  const size = Math.hypot(...bend);
+  return size > 0.2 ? bend.map((component) => component / size) : [directions[0][1], -directions[0][0]];
+}
+
+/** Return a unit vector on the screen out of a body: from its middle to `position`, after the body is scaled to a square. */
+export function outOfBody(position, corners) {
+  const vector = position.map((at, axis) => {
+    const reach = corners.map((corner) => corner[axis]);
+    const [low, high] = [Math.min(...reach), Math.max(...reach)];
+    return (2 * at - low - high) / (high - low || 1);
+  });
+  const size = Math.hypot(...vector) || 1;
+  return vector.map((component) => component / size);
 }

@@ -1,4 +1,4 @@
-// The strip at the top of the drawing: scale bar, ruler of forces or of impulses, and legend of arrows. The view of the motion lies below it.
+// The strip at the top of the drawing: scale bar, ruler of forces or impulses, and legend of arrows. The view of the motion lies below it.
 
 const KEY = 64; // [pixels] width of each entry of the legend of arrows
 const [STRIP_LETTER, BESIDE_BAR] = [7, 8]; // [pixels] width of a letter in the strip, and distance of the text to the scale bar
@@ -15,7 +15,7 @@ export function belowStrip([[x0, y0], [x1, y1]]) {
   return ends.map((share) => [x0 + share * (x1 - x0), y0 + share * (y1 - y0)]);
 }
 
-/** Draw the strip of a `ChainDrawing` with its `ruler`; in an enlarged drawing, where links may cross the strip, it has a ground of its own. */
+/** Draw the strip of a `ChainDrawing` with its `ruler`; in an enlarged drawing, where links may cross it, it has a ground of its own. */
 export function drawStrip(group, { recording, ruler, camera, size: [width], lens }) {
   group.clear();
   if (lens) group.rect(width, STRIP).addClass("strip-ground");
@@ -44,8 +44,8 @@ function drawScaleBar(group, scale, width, rulerEnd) {
 }
 
 /**
- * Draw the ruler of an `ArrowScale` (`scale`) with its marks, up to its peak, but at least MARK_TO_HEAD beyond the last mark; write what the
- * arrows are (`name`) as far as it fits into the `width`. Return the horizontal position of the end of this text [pixels].
+ * Draw the ruler of an `ArrowScale` (`scale`) with its marks, up to its peak, but at least MARK_TO_HEAD beyond the last mark; write
+ * what the arrows are (`name`) as far as it fits into the `width`. Return the horizontal position of the end of this text [pixels].
  */
 function drawRuler(group, { name, scale: { longest, marks } }, width) {
   const [left, y] = [12, STRIP - 7];

@@ -6,6 +6,7 @@ import { byId, make } from "../base/dom.js";
 import { Engine } from "../solver/engine.js";
 
 const LONGEST_LOAD = 5000; // [ms] a page without a motion counts as loaded after this time
+const NEED_MOTION = "#play, #previous, #next, #pin"; // buttons that do nothing without a motion
 
 const needed = ["Worker", "WebAssembly", "DecompressionStream"].filter((name) => !(name in window));
 if (needed.length) throw new Error(`this browser has no ${needed.join(", no ")}`);
@@ -17,6 +18,23 @@ const startEngine = () => new Engine(program, compiled);
 const unloaded = make("iframe", { hidden: true });
 document.documentElement.append(unloaded);
 unloaded.contentDocument.open();
-const finishLoad = () => unloaded.remove();
-setTimeout(finishLoad, LONGEST_LOAD);
-window.begun = { startEngine, engines: [startEngine()], finishLoad };
+setTimeout(() => unloaded.remove(), LONGEST_LOAD);
+// presses of buttons wait until the program of the page has begun or, if the buttons NEED_MOTION, until its first run has ended
+let [early, pressed] = ["button", []];
+const wait = (event) => {
+  const button = event.target.closest(early);
+  if (!button) return;
+  event.stopPropagation();
+  pressed.push(button);
+};
+document.addEventListener("click", wait, true);
+const beginProgram = () => {
+  early = NEED_MOTION;
+  pressed.splice(0).forEach((button) => button.click());
+};
+const finishLoad = (isPlaying) => {
+  unloaded.remove();
+  document.removeEventListener("click", wait, true);
+  pressed.splice(0).filter(({ id }) => id !== "play" || !isPlaying).forEach((button) => button.click());
+};
+window.begun = { startEngine, engines: [startEngine()], beginProgram, finishLoad };

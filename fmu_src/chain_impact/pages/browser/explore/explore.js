@@ -93,7 +93,7 @@ const simulation = new Simulation(beginEngine, changes, choice, (parts, about, o
   }
   showOutcome(parts ? player.recording : undefined);
   editor.tellRun(Boolean(parts));
-  window.begun.finishLoad();
+  window.begun.finishLoad(player.clock.playing);
 });
 /** Go to the `time` and pin the motions `pins` of a link; what the link lacks is undefined. A new run then fits the view to all pins. */
 function bringBack({ pins, time }) {
@@ -169,3 +169,4 @@ addJumps();
 foldParameters();
 foldEnergiesWithoutRoom(changes);
 simulation.begin();
+window.begun.beginProgram();

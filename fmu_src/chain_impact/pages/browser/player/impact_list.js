@@ -20,7 +20,7 @@ const TITLES = {
 };
 
 function approachText(impact) {
-  return speedWithUnit(impact.impact_speed, unitsOf(impact).impact_speed);
+  return speedWithUnit(impact.impact_speed, unitsOf(impact).impact_speed).replace("/", "/\u2060"); // no line begins after the slash
 }
 
 /**

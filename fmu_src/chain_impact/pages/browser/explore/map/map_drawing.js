@@ -73,7 +73,7 @@ export class MapDrawing {
       (isLogarithmic ? decadesBetween : ticksBetween)(low, high).forEach((tick) => {
         const pixel = at(k, tick / factor);
         scales.line(k ? [[EDGE.left - 5, pixel], [EDGE.left, pixel]] : [[pixel, bottom], [pixel, bottom + 5]]).addClass("map-tick");
-        if (k) this.#write(numberText(tick), EDGE.left - 8, pixel + 4, "end");
+        if (k) this.#write(numberText(tick), EDGE.left - 10, pixel + 4, "end");
         else this.#write(numberText(tick), pixel, bottom + 18, "middle");
       });
       const title = titleOf(name, text);
