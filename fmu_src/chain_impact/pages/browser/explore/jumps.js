@@ -29,7 +29,7 @@ export function addJumps() {
     const present = isEnd && scrollY > 0 ? all.at(-1) : began.at(-1);
     all.forEach(({ button }) => Object.assign(button, { ariaCurrent: button === present.button ? "true" : null }));
   };
-  addEventListener("scroll", show, { passive: true });
+  ["scroll", "resize"].forEach((change) => addEventListener(change, show, { passive: true }));
   show();
 }
 
