@@ -3,14 +3,19 @@
 # Tests: pages/browser/charts/letters.js
 # Tests: pages/browser/charts/contact_course.js
 
+import io
+
 import numpy as np
 import pytest
+from PIL import Image
 
 from chain_impact import load_scene, simulate
-from tests.pages.in_pages import PIXELS, ROWS, impacts_of, partners, until, until_text
+from tests.pages.in_pages import PIXELS, ROWS, impacts_of, partners, until, until_drawn, until_text
 from tests.tiers import needs_browser
 
 pytestmark = needs_browser
+PIN_COLOUR = (0xD2, 0x00, 0xB4)
+"""The colour of the first pin in the light style."""
 BELOW_PEAK = 30
 """Number of pixels at the top of the chart, which have the number of the peak and no curve."""
 
@@ -34,6 +39,21 @@ def test_a_chart_of_force_tells_why_it_has_no_curve_of_a_pin(show):
         assert page.locator("#contact-name").evaluate(
             "element => element.scrollWidth <= element.clientWidth"
         ), "it is not cut off"
+
+
+def test_the_force_of_a_pin_beside_an_impulse_is_whole(show):
+    """The curve falls to zero before the right end of the chart."""
+    page = show("pinned_arm")
+    page.get_by_role("button", name="Pin").click()
+    page.evaluate("chainImpact.show({'contact.model': 'newton_impact'})")
+    until(page, "document.getElementById('contact-quantity').textContent === 'Contact force of A'")
+    until_drawn(page)
+    with Image.open(io.BytesIO(page.locator("#force").screenshot())) as image:
+        colours = np.asarray(image.convert("RGB")).astype(int)
+    rows, columns = np.nonzero(abs(colours - PIN_COLOUR).max(axis=-1) < 60)
+    height, width = colours.shape[:2]
+    assert rows.min() < 0.4 * height
+    assert rows[columns > 0.85 * width].min() > 0.6 * height
 
 
 def test_a_chart_with_curves_of_pins_alone_is_titled_by_their_letters(show):

@@ -80,6 +80,11 @@ def test_after_a_refused_start_no_pin_tells_a_change_and_the_clock_no_rate(show)
     until(page, "document.body.classList.contains('stale')")
     change.filter(has_text=re.compile(r"^–$")).wait_for()
     assert not page.locator("#rate").is_visible()
+    words = (
+        "[...document.querySelectorAll('aside .chart, #impacts')].filter((part) => part.checkVisibility())"
+    )
+    content = "(part) => getComputedStyle(part, '::before').content"
+    assert set(page.evaluate(f"{words}.map({content})")) == {'"no motion"'}
     page.get_by_role("button", name="Undo the change of Position of the floor").click()
     change.filter(has_text=percent).wait_for()
     assert page.locator("#rate").is_visible()

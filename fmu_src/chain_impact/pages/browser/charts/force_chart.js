@@ -290,7 +290,10 @@ export class ForceChart extends Chart {
     if (this.impulses) return [recording.start, recording.end];
     const extent = (own, axis) => extentOf([own], curves.map(({ points }) => points[axis]));
     if (this.loop) return [0, 1.05 * extent(penetration, 0)];
-    if (!(to > from)) return [-MOMENT, MOMENT];
+    if (!(to > from)) {
+      const longest = Math.max(0, ...curves.map(({ end }) => end)); // of compared contacts beside an impulse
+      return longest ? [-SHOWN_SHARE * longest, (1 + SHOWN_SHARE) * longest] : [-MOMENT, MOMENT];
+    }
     const margin = (isAroundNow ? PART_MARGIN : SHOWN_SHARE) * (to - from);
     // with the ends of compared contacts that last somewhat longer
     const ends = isAroundNow ? [] : curves.map(({ end }) => end).filter((end) => end < MOST_BESIDE * to);
