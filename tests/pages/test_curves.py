@@ -179,7 +179,9 @@ def test_the_time_counts_from_the_impact_where_two_have_the_same_view(show):
         page.get_by_role("button", name=f"Go to impact {number}, ").click()
         if number == 1:
             page.get_by_role("button", name="At impact").click()
-        until(page, f"document.getElementById('outputs-impact').textContent.startsWith('impact {number}')")
+        until(
+            page, f"document.getElementById('outputs-impact').textContent.startsWith('impact\u00a0{number}')"
+        )
     assert dict(page.evaluate(TEXTS))["0 ms"] == pytest.approx(second / 0.08, abs=0.01)
 
 
