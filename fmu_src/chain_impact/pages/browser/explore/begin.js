@@ -20,7 +20,8 @@ document.documentElement.append(unloaded);
 unloaded.contentDocument.open();
 setTimeout(() => unloaded.remove(), LONGEST_LOAD);
 // presses of buttons wait until the program of the page has begun or, if the buttons NEED_MOTION, until its first run has ended
-let [early, pressed] = ["button", []];
+const pressed = [];
+let early = "button";
 const wait = (event) => {
   const button = event.target.closest(early);
   if (!button) return;
