@@ -22,6 +22,7 @@ CROSSED_RINGS = function_of("drawing", "crossedRings")
 """The pairs of rings whose lines meet."""
 DISTANCES = function_of("drawing", "distancesOfNumbers")
 """The distances of the visible numbers from their points [pixels]."""
+SIDES = function_of("drawing", "sidesOfNumbers")
 PLACE = function_of("drawing", "placeOfLabel")
 CONTRASTS = function_of("drawing", "contrasts")
 
@@ -167,3 +168,19 @@ def test_numbers_of_impacts_are_readable(show_recording, recording):
             text_count += len(contrasts)
             assert min(contrasts, default=21.0) >= 4.5, scheme  # WCAG 2.2, 1.4.3
     assert text_count > 2
+
+
+def test_numbers_of_points_keep_their_sides_while_an_impact_lasts(show_recording):
+    """A number gives way to an arrow that grows, but does not come back when the arrow becomes short."""
+    recording = record_slowly("four_link_box")
+    page, impact = show_recording(recording, viewport=DESK), recording.impacts[0]
+    angles = {}
+    for share in np.linspace(0.02, 0.98, 25):
+        go_to(page, impact["onset"] + share * (impact["end"] - impact["onset"]))
+        for name, (x, y) in page.evaluate(SIDES).items():
+            angles.setdefault(name, []).append(math.atan2(y, x))
+    assert set(angles) == set("01234")
+    has_turned = [
+        np.abs((np.diff(values) + np.pi) % (2.0 * np.pi) - np.pi) > 0.6 for values in angles.values()
+    ]
+    assert np.count_nonzero(has_turned) <= 4

@@ -67,6 +67,15 @@ export const distancesOfNumbers = () => {
     .map(([name, [x, y]]) => Math.hypot(x - at.get(name)[0], y - at.get(name)[1]));
 };
 
+/** Return the vectors from the points to their visible numbers, by the numbers. */
+export const sidesOfNumbers = () => {
+  const middleOf = ({ x, y, width, height }) => [x + width / 2, y + height / 2];
+  const dots = [...document.querySelectorAll("circle.joint, circle.tip")].map((dot) => middleOf(dot.getBBox()));
+  return Object.fromEntries([...document.querySelectorAll(".point-number")]
+    .filter((number) => getComputedStyle(number).visibility === "visible")
+    .map((number) => [number.textContent, middleOf(number.getBBox()).map((at, axis) => at - dots[number.textContent][axis])]));
+};
+
 /** Return the place of a label with `candidates`, in a drawing in which labels avoid all places left of x = `left`. */
 export const placeOfLabel = ([left, candidates]) => {
   const space = new LabelSpace(100, 100, 0);

@@ -7,7 +7,7 @@ import { lastBefore } from "../recording/recording.js";
 import { STOPS } from "../scene/geometry.js";
 import { ArrowScale } from "./arrow_scale.js";
 import { Camera } from "./camera.js";
-import { isCrossed, LabelSpace, outOfBody, outOfChain, positionsAround } from "./label_positions.js";
+import { isCrossed, KeptPositions, LabelSpace, outOfBody, outOfChain, positionsAround } from "./label_positions.js";
 import { impulsesOf, isOwnPlace, largestImpulse, numbersText, recentImpacts, ringsOf } from "./rings.js";
 import { drawStrip, STRIP } from "./scale_strip.js";
 import { drawRail } from "./slider_rail.js";
@@ -37,6 +37,7 @@ export class ChainDrawing {
   constructor(element) {
     this.drawing = SVG(element);
     this.showTrace = true;
+    this.kept = new KeptPositions();
     this.hatch = this.drawing.pattern(HATCH, HATCH, (tile) => {
       tile.rect(HATCH, HATCH).addClass("beyond-walls");
       // three lines, so that the lines of adjacent tiles meet
@@ -182,6 +183,7 @@ export class ChainDrawing {
     const marks = [...this.pin.map(([, mark]) => mark), ...this.ranges.flat()].map((mark) => mark.array());
     [chain, ...this.edges, ...this.rail, ...marks, ...this.linesAbove()].forEach((line) => this.labelSpace.reserveLine(line));
     bodies.forEach((corners) => this.labelSpace.reserveLine([...corners, corners[0]]));
+    this.kept.follow(recording.impacts, recording.timeAt(frame));
     const { letters, lines } = this.comparedNow();
     this.labelSpace.avoid((box) => lines.some((line) => isCrossed(box, line)));
     [...this.dots.map(([point]) => all[point]), ...letters].forEach((at) => this.labelSpace.reserveAround(at));
@@ -192,7 +194,7 @@ export class ChainDrawing {
     this.#showRuler(impulses.length > 0, this.arrows.find(".arrow").length > 0);
     texts.push(...impulses.flatMap(({ position, away, impulse, text }) =>
       this.#arrow(position, away, this.impulseScale.lengthOf(impulse), "force", text)));
-    texts.forEach((text) => this.#label(...text)); // labels are written after all arrows are drawn, so that they keep off each arrow
+    texts.forEach((text, k) => this.#label(k, ...text)); // labels are written after all arrows are drawn, so that they keep off each arrow
     this.#drawNames(all, bodies);
     this.#numberRings(rings);
   }
@@ -218,7 +220,7 @@ export class ChainDrawing {
       const text = name.text();
       const around = positionsAround(all[point], outward, NUMBER_GAP, NAME_MULTIPLES);
       const beside = corners ? around : around.map((candidate) => ({ ...candidate, anchor: "middle" }));
-      const position = this.labelSpace.findPosition(text, NUMBER_TEXT, beside);
+      const position = this.kept.findPosition(this.labelSpace, name, all[point], text, NUMBER_TEXT, beside);
       name.css("visibility", position ? "visible" : "hidden");
       if (position) name.attr({ x: position.at[0], y: position.at[1] + 4 }).css({ "text-anchor": position.anchor });
     });
@@ -301,7 +303,8 @@ export class ChainDrawing {
       const { numbers, position, away, radius } = ring;
       const text = numbersText(numbers);
       const candidates = positionsAround(position, [-away[1], away[0]], radius + NUMBER_GAP / 2, [1, 1 + NUMBER_GAP / 2 / radius]);
-      const label = this.labelSpace.findPosition(text, NUMBER_TEXT, candidates, isOwnPlace(ring, rings));
+      const label = this.kept.findPosition(
+        this.labelSpace, `#${ring.number}`, position, text, NUMBER_TEXT, candidates, isOwnPlace(ring, rings));
       if (!label) return;
       const [x, y] = label.at;
       this.labels.plain(text).attr({ x, y: y + 4, "text-anchor": label.anchor }).addClass("ring-number");
@@ -377,8 +380,9 @@ export class ChainDrawing {
    * Write a text at the first free place at a distance [pixels] from a position: first in the given direction, then in other directions,
    * then farther away. Without a free place, write nothing.
    */
-  #label(position, direction, distance, text, kind) {
-    const label = this.labelSpace.findPosition(text, FORCE_TEXT, positionsAround(position, direction, distance, FORCE_MULTIPLES));
+  #label(key, position, direction, distance, text, kind) {
+    const around = positionsAround(position, direction, distance, FORCE_MULTIPLES);
+    const label = this.kept.findPosition(this.labelSpace, key, position, text, FORCE_TEXT, around);
     if (!label) return;
     const [x, y] = label.at;
     this.labels.plain(text).attr({ x, y: y + 4, "text-anchor": label.anchor }).addClass(`force-text ${kind}`);

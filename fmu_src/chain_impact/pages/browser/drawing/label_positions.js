@@ -112,6 +112,31 @@ export class LabelSpace {
   }
 }
 
+/** The positions that labels keep, relative to what they name, while one impact lasts, so that they do not jump in slow motion. */
+export class KeptPositions {
+  #kept = new Map(); // key of a label → its `offset` [pixels] and `anchor`
+  #number; // the number of the impact
+
+  /** Forget the positions if another impact, or none, lasts at a time. */
+  follow(impacts, time) {
+    const number = impacts.find(({ onset, impactEnd }) => onset <= time && time <= impactEnd)?.number;
+    if (number === undefined || number !== this.#number) this.#kept.clear();
+    this.#number = number;
+  }
+
+  /**
+   * Return the result of `findPosition` of a `space` for the label with a `key` beside [x, y]; the kept position is tried before the
+   * candidates.
+   */
+  findPosition(space, key, [x, y], text, size, candidates, isAllowed) {
+    const kept = this.#kept.get(key);
+    const first = kept ? [{ at: [x + kept.offset[0], y + kept.offset[1]], anchor: kept.anchor }] : [];
+    const label = space.findPosition(text, size, [...first, ...candidates], isAllowed);
+    if (label) this.#kept.set(key, { offset: [label.at[0] - x, label.at[1] - y], anchor: label.anchor });
+    return label;
+  }
+}
+
 /**
  * Return candidates {at, anchor} for a label around a position: first in the direction of the unit vector [dx, dy], then in directions that
  * deviate more and more from this direction, all at `distance` [pixels] times the first of `multiples`; then the same for each further

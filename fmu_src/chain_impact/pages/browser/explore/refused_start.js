@@ -6,7 +6,7 @@ import { shownUpTo } from "../scene/angles.js";
 import { radiusOf, sitesAt, startOf, wallsAt } from "../scene/geometry.js";
 import { faultText } from "./console.js";
 
-const REFUSED_MARGIN = 0.04; // free space around a refused chain, relative to the width of the view
+const REFUSED_MARGIN = 0.1; // free space around a refused chain, for its velocities, too, relative to the width of the view
 const BEYOND_RING = 20; // [pixels] diameter of the ring around the point
 // inputs whose signals move walls, or the base, away from where the parameters put them
 const MOVES = /^(base|wall)\./;
