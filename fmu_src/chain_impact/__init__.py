@@ -18,7 +18,6 @@ _MODULES = {
     "results.animation": ("AnimationError",),
     "recording.impacts": ("IMPACT_DTYPE", "impacts_of"),
     "pages.explore": ("explore",),
-    "results.effects": ("Effect",),
     "results.ranking": ("Ranking",),
     "recording.recording": ("Recording",),
     "results.result": ("Result",),
@@ -40,6 +39,7 @@ _MODULES = {
     "studies.compare.runs": ("LawRun",),
     "studies.sweep.sweep": ("sweep",),
     "studies.sweep.table": ("Sweep",),
+    "study_data.ranking.effects": ("Effect",),
 }
 """Module → the public names that are defined in this module; type checkers read the same in __init__.pyi."""
 _HOMES = {name: f"chain_impact.{module}" for module, names in _MODULES.items() for name in names}

@@ -13,7 +13,6 @@ from chain_impact.recording.recording import Recording as Recording
 from chain_impact.recording.sensitivity import Sensitivities as Sensitivities
 from chain_impact.recording.stick_slip import STICK_SLIP_DTYPE as STICK_SLIP_DTYPE
 from chain_impact.results.animation import AnimationError as AnimationError
-from chain_impact.results.effects import Effect as Effect
 from chain_impact.results.ranking import Ranking as Ranking
 from chain_impact.results.result import Result as Result
 from chain_impact.scene.errors import SceneError as SceneError
@@ -43,3 +42,4 @@ from chain_impact.studies.fit.result import Fit as Fit
 from chain_impact.studies.fit.result import LawFit as LawFit
 from chain_impact.studies.sweep.sweep import sweep as sweep
 from chain_impact.studies.sweep.table import Sweep as Sweep
+from chain_impact.study_data.ranking.effects import Effect as Effect

@@ -1,6 +1,7 @@
 """The ranking of parameters by their effect on a quantity."""
 
-# Tests: pictures/bars.py, pictures/drawing/row_names.py, results/effects.py, results/quantity.py
+# Tests: pictures/bars.py, pictures/drawing/row_names.py, pictures/ranking.py
+# Tests: study_data/ranking/effects.py, study_data/ranking/quantity.py, study_data/ranking/ranked_effects.py
 
 import re
 from dataclasses import replace
@@ -15,10 +16,10 @@ from chain_impact import SceneError, UnknownNameError, load_scene, simulate
 from chain_impact.pictures.bars import CUT_BARS, CUT_MARKS, PALE_BARS, Bars, draw_bar_figure, shared_ends
 from chain_impact.pictures.drawing.row_names import ROW_PITCH
 from chain_impact.pictures.drawing.style import INCREASE, INK, LEFT_MARGIN
-from chain_impact.results.effects import split_by_step
 from chain_impact.results.ranking import ranking_of
 from chain_impact.scene.texts.plain_names import plain_name
 from chain_impact.scene.texts.unit_text import stiffness_unit
+from chain_impact.study_data.ranking.effects import split_by_step
 from chain_impact.text import signed_text
 from tests.helpers.scenes.stops import knee_scene
 from tests.helpers.tools.differences import slope

@@ -1,6 +1,5 @@
 """Pictures of a recording: ``Picture``, and functions that draw on figures and axes."""
 
-from chain_impact.pictures.bars import Bars, axis_ends, bars_size, draw_bar_figure
 from chain_impact.pictures.curves import draw_curve_panels, narrow_peak
 from chain_impact.pictures.drawing.figures import NoRoomError, check_alone, draw_figure
 from chain_impact.pictures.drawing.sizes import MM
@@ -13,19 +12,16 @@ from chain_impact.pictures.picture import (
     curves_picture,
     impact_picture,
     overview_picture,
+    ranking_picture,
     sensitivities_picture,
 )
 
 __all__ = [
     "MM",
-    "Bars",
     "NoRoomError",
     "Picture",
-    "axis_ends",
-    "bars_size",
     "check_alone",
     "curves_picture",
-    "draw_bar_figure",
     "draw_chain",
     "draw_curve_panels",
     "draw_figure",
@@ -35,5 +31,6 @@ __all__ = [
     "impact_picture",
     "narrow_peak",
     "overview_picture",
+    "ranking_picture",
     "sensitivities_picture",
 ]

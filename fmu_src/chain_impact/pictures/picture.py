@@ -16,10 +16,12 @@ from chain_impact.pictures.drawing.sizes import Size
 from chain_impact.pictures.impact import IMPACT_SIZE, draw_impact
 from chain_impact.pictures.overview import draw_overview, panels_to_draw, usual_overview_size
 from chain_impact.pictures.overview_layout import is_motion_beside
+from chain_impact.pictures.ranking import draw_ranking, ranking_size
 from chain_impact.pictures.sensitivities import draw_sensitivities
 from chain_impact.recording.curves import Curves
 from chain_impact.recording.impact_course import ImpactCourse
 from chain_impact.recording.recording import Recording
+from chain_impact.study_data.ranking.ranked_effects import RankedEffects
 
 
 class Picture(NamedTuple):
@@ -76,3 +78,8 @@ def impact_picture(recording: Recording, number: int, course: ImpactCourse) -> P
 def sensitivities_picture(recording: Recording, outputs: Sequence[str] = ()) -> Picture:
     """Return the picture of derivatives; the arguments are those of ``draw_sensitivities``."""
     return Picture(partial(draw_sensitivities, recording=recording, outputs=outputs))
+
+
+def ranking_picture(ranking: RankedEffects) -> Picture:
+    """Return the picture of a ranking: its largest effects as bars."""
+    return Picture(partial(draw_ranking, ranking=ranking), ranking_size(ranking))

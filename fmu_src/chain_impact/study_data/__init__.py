@@ -1,1 +1,1 @@
-"""The data of studies, which pictures draw: the runs of sweeps and of compared laws."""
+"""The data of studies, which pictures draw: runs of sweeps and of compared laws, and ranked effects."""

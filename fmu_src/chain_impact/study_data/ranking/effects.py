@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from chain_impact.recording.sensitivity import is_different
 from chain_impact.scene.texts.unit_text import with_unit
+
+MOST_DRAWN = 16  # the largest number of effects that the picture of a ranking draws and that runs check
 
 
 class Effect(NamedTuple):
@@ -52,6 +55,27 @@ def split_by_step(effects: Sequence[Effect]) -> tuple[list[Effect], list[Effect]
     The sizes of effects in different lists cannot be compared.
     """
     return [effect for effect in effects if effect.value], [effect for effect in effects if not effect.value]
+
+
+def blocks_to_draw(effects: Sequence[Effect]) -> list[list[Effect]]:
+    """Return the first effects, at most MOST_DRAWN, as ``split_by_step``; an empty list is left out.
+
+    The list of fixed steps has at most a quarter of MOST_DRAWN effects, or more if there are few of 1 %.
+    """
+    of_value, at_zero = split_by_step(effects)
+    at_zero = at_zero[: max(MOST_DRAWN - len(of_value), MOST_DRAWN // 4)]
+    return list(filter(None, (of_value[: MOST_DRAWN - len(at_zero)], at_zero)))
+
+
+def only_runs_hold(effects: Sequence[Effect]) -> bool:
+    """Return whether a run differs from each drawn effect, so that no drawn effect to first order holds.
+
+    The result is False if a run is missing or lacks the quantity.
+    """
+    drawn_effects = list(itertools.chain(*blocks_to_draw(effects)))
+    return bool(drawn_effects) and all(
+        effect.differs and change_in_run(effect) is not None for effect in drawn_effects
+    )
 
 
 def change_in_run(effect: Effect) -> float | None:

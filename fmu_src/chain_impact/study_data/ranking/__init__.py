@@ -1,0 +1,1 @@
+"""The effects of parameters on one quantity of a run."""
