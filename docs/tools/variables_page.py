@@ -9,7 +9,8 @@ from chain_impact.kernel.record.constants import WALLS
 from chain_impact.kernel.status import STATUS_NAME, STATUS_TEXT
 from chain_impact.scene.facts import TRUE_FACT
 from chain_impact.scene.scene import load_scene, scene_keys
-from chain_impact.scene.texts.names import AXES, INPUTS_OF
+from chain_impact.scene.texts.input_table import INPUT_KINDS
+from chain_impact.scene.texts.names import AXES
 from chain_impact.scene.texts.unit_text import unit_text
 from chain_impact.variables.kind import SLOPED_WALL, VariableKind
 from chain_impact.variables.listing import choices_of
@@ -67,7 +68,9 @@ COMMON_MEANINGS = {
     "initial angle and angular velocity of link i, absolute, from +x": (
         *("initial.angle[i]", "initial.angular_velocity[i]"),
     ),
-    "position, velocity and acceleration of the base": tuple(INPUTS_OF["base_motion"]),
+    "position, velocity and acceleration of the base": tuple(
+        name for name, row in INPUT_KINDS.items() if row.key == "base_motion"
+    ),
     "angle that the spring follows, and angular velocity that the damper follows": (
         *("joint[i].target_angle", "joint[i].target_velocity"),
     ),

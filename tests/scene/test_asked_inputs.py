@@ -6,11 +6,10 @@ import pytest
 
 from chain_impact import load_scene
 from chain_impact.scene.asked_inputs import inputs_of, request_hint
-from chain_impact.scene.texts.names import INPUTS_OF
+from chain_impact.scene.texts.input_table import INPUT_KINDS
 from tests.helpers.tools.refusal import refusal
 
 ASKS = re.compile(r"set inputs\.(\w+) = (true|\[\"(\w+)\"\])$")
-NAMES = [name for names in INPUTS_OF.values() for name in names]
 
 
 @pytest.mark.parametrize("model", ["four_link_box", "pinned_arm", "cart_pole", "bouncing_table", "golf_ball"])
@@ -19,7 +18,7 @@ def test_what_is_advised_makes_the_input(model):
     links, walls = len(scene.chain.links), [*scene.half_planes, "nowhere"]
     names = {
         form.format(n=number, name=wall)
-        for form in NAMES
+        for form in INPUT_KINDS
         for number in (1, links, links + 1)
         for wall in walls
     }

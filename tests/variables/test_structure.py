@@ -14,7 +14,7 @@ from chain_impact.scene.keys.chain_tables import Link
 from chain_impact.scene.keys.tables import Inputs, Material, Outputs
 from chain_impact.scene.rules.rule_language import names_in, tree
 from chain_impact.scene.scene import scene_keys
-from chain_impact.scene.texts.names import INPUTS_OF
+from chain_impact.scene.texts.input_table import INPUT_KEYS
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.owners import COUNT_RULES, OWN_CONDITIONS, OWNER_KINDS, RECORD_NUMBERS
 from chain_impact.variables.parameters import PARAMETERS
@@ -118,7 +118,7 @@ def test_the_conditions_of_a_scene_are_those_that_users_read(scene):
     )
     assert conditions["skewed"] == any(link.center_of_mass_offset for link in links)
     limits = [slider and slider.force_limit, *(link.joint_torque_limit for link in links)]
-    asks = [getattr(scene.inputs, key) for key in INPUTS_OF]
+    asks = [getattr(scene.inputs, key) for key in INPUT_KEYS]
     assert conditions["has_supply"] == (any(asks) or limits != [None] * len(limits))
     assert conditions["has_base_joint"] == scene.chain.has_base_joint
 

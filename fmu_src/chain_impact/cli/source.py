@@ -25,7 +25,7 @@ from chain_impact.scene.errors import SceneError, SceneWarning
 from chain_impact.scene.keys.tables import Solver
 from chain_impact.scene.scene import Scene, load_scene
 from chain_impact.scene.settings import parsed_value, with_settings
-from chain_impact.scene.texts.names import input_key
+from chain_impact.scene.texts.input_table import input_key
 from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.accuracy import TOLERANCE_RATIO, Differences, differences

@@ -20,7 +20,7 @@ from chain_impact.conversion.mjcf_writing import mjcf_of
 from chain_impact.conversion.planar import ConversionChoices, ConversionResult, planar_chain
 from chain_impact.conversion.robot import identifier
 from chain_impact.scene.scene import Scene, scene_from_dict, scene_to_dict
-from chain_impact.scene.texts.names import input_key
+from chain_impact.scene.texts.input_table import input_key
 from chain_impact.text import names_text
 
 # two numbers are the same, up to round-off, if they differ by at most SAME_NUMBER, or by this part of the

@@ -17,9 +17,8 @@ from chain_impact.scene.checks.signal_checks import check_table
 from chain_impact.scene.errors import SceneError, UnknownNameError
 from chain_impact.scene.files.table_file import TIME, gap_hints, read_table, samples_of
 from chain_impact.scene.keys.signal_tables import Samples, Signal
-from chain_impact.scene.signal_inputs import determined_quantities
-from chain_impact.scene.signal_polynomials import is_motion, polynomial_values, table_polynomial
-from chain_impact.scene.texts.names import AXES, input_key
+from chain_impact.scene.signal_polynomials import polynomial_values, table_polynomial
+from chain_impact.scene.texts.input_table import determined_quantities, input_key, is_motion, value_at_start
 from chain_impact.scene.warning import warn
 
 # An input jumps at a row if its values just before and just after the row's time differ by more than
@@ -90,7 +89,6 @@ def input_rows_for(
             tuple(times.tolist()), tuple((name, tuple(column)) for name, column in columns.items())
         ),
     )
-    start_values = {f"base.{axis}": parameters.get(f"initial.{axis}", 0.0) for axis in AXES}
     points = np.arange(math.ceil(stop_time / step) + 1) * step
     points = np.union1d(points, times[(times > 0.0) & (times < stop_time)])
     left_rows, right_rows = np.zeros(
@@ -106,7 +104,7 @@ def input_rows_for(
     jumps = np.zeros(len(points), bool)
     for name, members in given_members.items():
         knot_times, powers = _polynomials(signal, members, members.index(name), stop_time)
-        begin = start_values.get(name, 0.0) if name not in columns else 0.0
+        begin = value_at_start(parameters, name) if name not in columns else 0.0
         for rows, side in ((left_rows, "left"), (right_rows, "right")):
             rows[name] = begin + polynomial_values(knot_times, powers, points, side)
         jumps |= np.abs(right_rows[name] - left_rows[name]) > LEAST_JUMP * np.abs(right_rows[name]).max()

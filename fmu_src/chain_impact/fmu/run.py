@@ -26,16 +26,9 @@ from chain_impact.scene.half_planes import HalfPlane, half_planes
 from chain_impact.scene.reading import nearest_choice
 from chain_impact.scene.settings import parsed_value
 from chain_impact.scene.texts.angles import or_degrees, radians_of
-from chain_impact.scene.texts.names import (
-    SLIDER_STOPS,
-    STOPS,
-    fmu_name,
-    grouped_by_owner,
-    input_hint,
-    input_key,
-    signal_hint,
-    start_hint,
-)
+from chain_impact.scene.texts.input_table import input_key
+from chain_impact.scene.texts.names import SLIDER_STOPS, STOPS, fmu_name, grouped_by_owner
+from chain_impact.scene.texts.parameter_hints import input_hint, signal_hint, start_hint
 from chain_impact.simulation.errors import RunError
 from chain_impact.simulation.simulate import check_result_size
 from chain_impact.variables.parameters import SIMULATION_KINDS

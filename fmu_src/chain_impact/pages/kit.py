@@ -32,7 +32,7 @@ from chain_impact.scene.reading import entry_type
 from chain_impact.scene.rules.key_rules import Derived, allowed_text, key_fields, without_none
 from chain_impact.scene.rules.rule_language import Tree, tree
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.signal_inputs import determined_quantities, exclusive_inputs
+from chain_impact.scene.texts.input_table import INPUT_KINDS
 from chain_impact.scene.texts.names import OWNER_AT, DataPath
 from chain_impact.variables.indices import layout_of, word_index
 from chain_impact.variables.kind import GIVEN_CHANNEL, GIVEN_ONLY, LETTERS, Block, VariableKind, owner_path
@@ -210,7 +210,8 @@ def _name_and_condition(kind: VariableKind) -> dict[str, Any]:
 
 def _signal_row(kind: VariableKind) -> dict[str, Any]:
     """Return the data of an input that a signal can drive."""
-    determined = {"family": determined_quantities(kind.name), "alone": exclusive_inputs(kind.name)}
+    row = INPUT_KINDS[kind.name]
+    determined = {"family": row.determined, "alone": row.exclusive}
     displaces = kind.owner_kind == "moving wall" and "position" in kind.record_path
     attributes = {"unit": kind.unit, "acts": input_at(kind.record_path), "displaces": displaces}
     return _name_and_condition(kind) | determined | attributes

@@ -11,7 +11,8 @@ import numpy as np
 from chain_impact.deprecated import OlderName
 from chain_impact.recording.equality import have_equal_fields
 from chain_impact.scene.errors import UnknownNameError
-from chain_impact.scene.texts.names import sensitivity_name, value_at_start
+from chain_impact.scene.texts.input_table import value_at_start
+from chain_impact.scene.texts.names import sensitivity_name
 from chain_impact.scene.texts.unit_text import bracketed_unit, scene_unit, with_unit
 from chain_impact.text import TextTable, as_html, count_text
 from chain_impact.variables.listing import derivatives_of

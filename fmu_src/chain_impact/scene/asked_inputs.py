@@ -11,8 +11,7 @@ from chain_impact.scene.contents import SceneContents
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.facts import SceneFacts
 from chain_impact.scene.files.table_file import read_table, samples_of
-from chain_impact.scene.signal_inputs import exclusive_inputs
-from chain_impact.scene.texts.names import INPUTS_OF, input_key, input_request
+from chain_impact.scene.texts.input_table import INPUT_KINDS, exclusive_inputs, input_key, input_request
 from chain_impact.scene.texts.similar_names import nearest_name
 
 
@@ -23,12 +22,7 @@ def inputs_of(scene: SceneContents, *, are_asked: bool = True) -> Iterator[str]:
     add. The inputs of the joints come first, one joint after the other; then come those of the slider, the
     tip, the base and the walls.
     """
-    templates = [
-        name
-        for key, names in INPUTS_OF.items()
-        if getattr(scene.inputs, key) or not are_asked
-        for name in names
-    ]
+    templates = [name for name, row in INPUT_KINDS.items() if getattr(scene.inputs, row.key) or not are_asked]
     if not templates:
         return
     facts = SceneFacts(scene)

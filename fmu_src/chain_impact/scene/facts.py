@@ -32,7 +32,8 @@ from chain_impact.scene.rules.rule_language import (
     value_within,
 )
 from chain_impact.scene.signal_inputs import signal_inputs_of
-from chain_impact.scene.texts.names import INPUTS_OF, DataPath
+from chain_impact.scene.texts.input_table import INPUT_KEYS
+from chain_impact.scene.texts.names import DataPath
 
 TRUE_FACT = "always"
 """The name of the fact that is true for all scenes."""
@@ -142,7 +143,7 @@ FACTS = {
         "has_contact_friction or has_joint_friction or has_slider_friction", "a part may have dry friction"
     ),
     "has_inputs": Fact(
-        " or ".join(f"inputs.{key}" for key in INPUTS_OF if key != "wall_motion"),
+        " or ".join(f"inputs.{key}" for key in INPUT_KEYS if key != "wall_motion"),
         "there are inputs other than motions of walls",
     ),
     "has_limits": Fact(

@@ -35,12 +35,7 @@ from chain_impact.scene.files.text_file import text_of
 from chain_impact.scene.plain_data import plain, without_empty
 from chain_impact.scene.reading import Reader, keys_of, tell_all_faults
 from chain_impact.scene.rules.key_rules import Derived
-from chain_impact.scene.texts.names import (
-    DataPath,
-    as_typed,
-    name_of,
-    path_text,
-)
+from chain_impact.scene.texts.names import DataPath, as_typed, name_of, path_text
 from chain_impact.scene.value_paths import path_and_value, paths_by_name, single_values
 from chain_impact.scene.warning import warn
 

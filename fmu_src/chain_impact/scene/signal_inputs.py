@@ -15,7 +15,8 @@ from chain_impact.scene.contents import AnyScene, SceneContents
 from chain_impact.scene.errors import SceneError, error_at, refusal
 from chain_impact.scene.files.table_file import read_table, samples_of
 from chain_impact.scene.keys.signal_tables import FORMS, Samples, Signal
-from chain_impact.scene.signal_polynomials import is_motion, knots_of
+from chain_impact.scene.signal_polynomials import knots_of
+from chain_impact.scene.texts.input_table import determined_quantities
 from chain_impact.scene.texts.similar_names import nearest_name
 
 Numbers = tuple[float, ...]
@@ -67,34 +68,6 @@ def signal_inputs_of(scene: SceneContents) -> tuple[SignalInput, ...]:
         for input_name in signal.input
     ]
     return tuple(sorted(signal_inputs, key=lambda signal_input: signal_input.input.endswith(TARGET_RATE)))
-
-
-def determined_quantities(name: str) -> tuple[str, ...]:
-    """Return the names of the quantities that a signal determines if it drives the input ``name``.
-
-    These are integrals of the input over time, the input, and derivatives of the input, in this order. All
-    are names of inputs, except "" for the integral of a belt's speed, which has no name. A signal that drives
-    a target velocity determines only this, not the target angle or position.
-    """
-    head, _, last = name.rpartition(".")
-    if head == "base":
-        return tuple(f"base.{prefix}{last[-1]}" for prefix in ("", "v", "a"))
-    if head.startswith("wall.") and last != "belt_speed":
-        return tuple(f"{head}.{key}" for key in ("displacement", "velocity", "acceleration"))
-    if last == "belt_speed":
-        return "", name
-    if last in ("target_angle", "target_position"):
-        return name, head + TARGET_RATE
-    return (name,)
-
-
-def exclusive_inputs(name: str) -> tuple[str, ...]:
-    """Return the inputs that no other signal may drive if a signal drives the input ``name``.
-
-    For a position, velocity or acceleration of the base along an axis, or of a wall, these are all three,
-    because each determines the others; for any other input, only the input itself.
-    """
-    return determined_quantities(name) if is_motion(name) else (name,)
 
 
 def with_signals(scene: AnyScene, folder: Path) -> AnyScene:

@@ -16,6 +16,7 @@ from chain_impact.kernel.record.signals import knot_dtype, signal_dtype
 from chain_impact.scene.files.table_file import jumps_of
 from chain_impact.scene.kernel_view import signals_view
 from chain_impact.scene.keys.signal_tables import FORMS, NUMBERS, SHAPES, Signal
+from chain_impact.scene.texts.input_table import is_motion, is_position
 
 # [1] the last row of a periodic table counts as simultaneous with the end of the first period if their times
 # differ by at most this, relative to the period
@@ -92,19 +93,6 @@ def is_closed(signal: Signal) -> bool:
     times = signal.samples.times if signal.samples else ()
     last = times[-1] - times[0] - (signal.period or 0.0)
     return abs(last) <= PERIOD_TOLERANCE * (signal.period or 0.0)
-
-
-def is_position(name: str) -> bool:
-    """Return whether the input ``name`` is a coordinate of the base, or the displacement of a wall."""
-    return name in ("base.x", "base.y") or name.endswith(".displacement")
-
-
-def is_motion(name: str) -> bool:
-    """Return whether the input ``name`` is a position, velocity or acceleration of the base or of a wall.
-
-    The speed of a belt is none of these.
-    """
-    return name.startswith(("base.", "wall.")) and not name.endswith(".belt_speed")
 
 
 def table_polynomial(

@@ -14,13 +14,8 @@ from chain_impact.scene.errors import UnknownNameError
 from chain_impact.scene.keys.chain_tables import Link
 from chain_impact.scene.reading import keys_of
 from chain_impact.scene.rules.key_rules import key_fields
-from chain_impact.scene.texts.names import (
-    DataPath,
-    fmu_name,
-    name_of,
-    other_names,
-    parameter_hint,
-)
+from chain_impact.scene.texts.names import DataPath, fmu_name, name_of, other_names
+from chain_impact.scene.texts.parameter_hints import parameter_hint
 
 
 def paths_by_name(scene: SceneContents) -> dict[str, DataPath]:

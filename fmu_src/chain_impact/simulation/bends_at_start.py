@@ -12,7 +12,7 @@ import numpy as np
 from chain_impact.kernel.chain.signals import signal_at
 from chain_impact.scene.kernel_view import signals_view
 from chain_impact.scene.signal_inputs import SignalInput
-from chain_impact.scene.signal_polynomials import is_motion
+from chain_impact.scene.texts.input_table import determined_quantities, is_motion
 
 SAME_DERIVATIVE = 1e-9
 """[1] two values count as equal if they differ by at most this, relative to their size"""
@@ -58,7 +58,5 @@ def _watched_orders(name: str) -> list[int]:
     """
     if is_motion(name):
         return [SECOND]
-    if name.endswith(".belt_speed"):
-        return [RATE]  # the record has the integral of a signal of a belt's speed, so RATE is the speed
-    is_target = name.endswith((".target_angle", ".target_position"))
-    return [VALUE, RATE] if is_target else [VALUE]
+    # the integral of a belt's speed, which has no name, changes nothing
+    return [order for order, quantity in enumerate(determined_quantities(name)) if quantity]

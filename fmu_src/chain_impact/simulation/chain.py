@@ -20,7 +20,7 @@ from chain_impact.scene.asked_inputs import request_hint
 from chain_impact.scene.errors import SceneError, UnknownNameError, names_matching, value_text
 from chain_impact.scene.scene import Scene, SceneSource, fixed_hint, scene_of
 from chain_impact.scene.texts.angles import or_degrees, radians_of
-from chain_impact.scene.texts.names import input_key
+from chain_impact.scene.texts.input_table import input_key
 from chain_impact.scene.warning import warn
 from chain_impact.simulation.chain_access import (
     Selection,

@@ -12,7 +12,8 @@ import numpy as np
 from chain_impact.kernel.chain.inputs import CONTINUES, REINITIALIZE
 from chain_impact.scene.asked_inputs import request_hint
 from chain_impact.scene.errors import SceneError
-from chain_impact.scene.texts.names import INPUTS_OF, DataPath, input_key
+from chain_impact.scene.texts.input_table import INPUT_KEYS, input_key
+from chain_impact.scene.texts.names import DataPath
 from chain_impact.scene.warning import warn
 from chain_impact.simulation.approximation import TIME_ERROR, Approximator, NotSmoothError
 from chain_impact.simulation.given_inputs import NamedInputs
@@ -345,7 +346,7 @@ def _with_samples(times: np.ndarray, samples: np.ndarray, same: float) -> np.nda
 def inputs_text(inputs: Iterable[str]) -> str:
     """Return a sentence on the inputs of a scene: their names, and how to add inputs."""
     names = list(inputs)
-    *keys, last = INPUTS_OF
+    *keys, last = INPUT_KEYS
     advice = f"[inputs] {', '.join(keys)} and {last} in the scene"
     if not names:
         return f"it has none, {advice} make them"

@@ -20,7 +20,8 @@ from chain_impact.kernel.record.constants import INPUT_DEGREE
 from chain_impact.scene.checks.checks import base_start_hint
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.files.table_file import jumps_of
-from chain_impact.scene.signal_polynomials import is_position, spline_of_position, splines_between_jumps
+from chain_impact.scene.signal_polynomials import spline_of_position, splines_between_jumps
+from chain_impact.scene.texts.input_table import is_position
 from chain_impact.scene.texts.names import AXES
 from chain_impact.simulation.approximation import Approximator
 from chain_impact.simulation.pieces import Pieces, joined_points

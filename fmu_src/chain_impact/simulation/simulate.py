@@ -23,7 +23,7 @@ from chain_impact.results.result import Result
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.keys.tables import STEP_ROUND_OFF
 from chain_impact.scene.scene import Scene, SceneSource, scene_of, with_values
-from chain_impact.scene.signal_inputs import exclusive_inputs
+from chain_impact.scene.texts.input_table import exclusive_inputs
 from chain_impact.scene.warning import warn
 from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.given_inputs import GivenInputs, Interpolation, NamedInputs, named_inputs

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from chain_impact.scene.signal_inputs import TARGET_RATE, determined_quantities
+from chain_impact.scene.texts.input_table import determined_quantities, is_motion
 from chain_impact.scene.texts.names import name_parts
 from chain_impact.simulation.pieces import Pieces
 from chain_impact.variables.prepared import PreparedScene
@@ -30,7 +30,7 @@ def still_dampers(prepared_scene: PreparedScene, names: Sequence[str], pieces: P
     texts = []
     for m, name in enumerate(names):
         target, *rate = determined_quantities(name)
-        if target != name or not rate or not rate[0].endswith(TARGET_RATE):
+        if is_motion(name) or target != name or not rate:
             continue
         is_known = rate[0] in names or rate[0] in prepared_scene.signals_by_input
         if not is_known and _damping(prepared_scene, name) > 0.0 and _is_motion(pieces.powers[:, :, m]):

@@ -12,18 +12,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from chain_impact.scene.rules.key_rules import Derived
-from chain_impact.scene.texts.names import (
-    AXES,
-    OWNER_AT,
-    DataPath,
-    NameParts,
-    name_parts,
-    sensitivity_name,
-)
+from chain_impact.scene.texts.input_table import INPUT_KINDS
+from chain_impact.scene.texts.names import AXES, OWNER_AT, DataPath, NameParts, name_parts, sensitivity_name
 
 NEXT_OWNER_AT = "{next}"
 GIVEN_CHANNEL = "given_channel"
@@ -261,8 +254,24 @@ def row(
 
 
 def input_row(name: str, text: str, *, field: str) -> tuple[VariableKind, ...]:
-    """Return the kinds of a row of inputs, which get their unit from ``units`` of ``record_block``."""
+    """Return the kinds of a row of ``input_block``."""
     return row(name, "", text, field=field)
+
+
+def input_block(
+    part: str, owner_kind: str, prefix: str, *rows: tuple[VariableKind, ...], heading: Heading = NO_HEADING
+) -> Block:
+    """Return a block of inputs, with the unit and the key of [inputs] that INPUT_KINDS has for each name.
+
+    ``record_block`` explains the arguments.
+    """
+    of_kind = record_block(part, owner_kind, prefix, *rows, heading=heading, causality="input")
+    rows_of_inputs = [INPUT_KINDS[kind.name] for kind in of_kind.kinds]
+    kinds = (
+        replace(kind, unit=row_of_input.unit, when=(f"inputs.{row_of_input.key}",))
+        for kind, row_of_input in zip(of_kind.kinds, rows_of_inputs, strict=True)
+    )
+    return of_kind._replace(kinds=tuple(kinds))
 
 
 def record_block(
@@ -270,7 +279,6 @@ def record_block(
     owner_kind: str,
     prefix: str,
     *rows: tuple[VariableKind, ...],
-    units: Mapping[str, str] = MappingProxyType({}),
     array: bool = False,
     **extras: Any,
 ) -> Block:
@@ -282,14 +290,11 @@ def record_block(
         prefix: the first part of the names.
         rows: the rows. {at}, the index of the owner, is appended to the path of a field that has neither {at}
             nor {next}, unless ``owner_kind`` is "one" or "slider".
-        units: whole name → unit, for each row of inputs.
         array: whether the values of all owners form an array with the name <owner_kind>.<name in the row>.
         extras: attributes that all kinds have, and further arguments of ``block``; the variables of an owner
             form a terminal unless ``is_terminal`` is False here.
     """
     kinds = [kind for kinds_of_row in rows for kind in kinds_of_row]
-    if units:
-        kinds = [replace(kind, unit=units[f"{prefix}.{kind.name}"]) for kind in kinds]
     has_no_index = owner_kind in ("one", "slider")
     for k, kind in enumerate(kinds):
         steps = (part, *kind.record_path)

@@ -3,7 +3,6 @@
 The value references follow the order of the rows.
 """
 
-from chain_impact.scene.texts.names import INPUTS_OF
 from chain_impact.variables.kind import (
     CONTACT,
     GIVEN_CHANNEL,
@@ -13,6 +12,7 @@ from chain_impact.variables.kind import (
     POINT,
     SLIDER,
     WALL,
+    input_block,
     input_row,
     record_block,
     row,
@@ -21,47 +21,43 @@ from chain_impact.variables.kind import (
 # each row is one line of a table with columns
 # fmt: off
 INPUTS = (
-    record_block(
+    input_block(
         "given", "joint", "joint[{n}]",
         input_row("torque", "torque on link {n} from {before}", field="motor"),
-        units=INPUTS_OF["joint_torques"], when=("inputs.joint_torques",), causality="input",
     ),
-    record_block(
+    input_block(
         "given", "joint", "joint[{n}]",
         input_row("target_angle",    "angle that the spring of joint {n} follows",            field="target"),
         input_row("target_velocity", "angular velocity that the damper of joint {n} follows", field="target_velocity"),
-        units=INPUTS_OF["joint_targets"], when=("inputs.joint_targets",), causality="input",
     ),
-    record_block(
+    input_block(
         "given", "slider", "slider",
         input_row("force", "force on the carriage, along the line", field="motor.{at}"),
-        units=INPUTS_OF["slider_force"], heading=SLIDER, when=("inputs.slider_force",), causality="input",
+        heading=SLIDER,
     ),
-    record_block(
+    input_block(
         "given", "slider", "slider",
         input_row("target_position", "position that the spring of the slider follows", field="target.{at}"),
         input_row("target_velocity", "velocity that the damper of the slider follows", field="target_velocity.{at}"),
-        units=INPUTS_OF["joint_targets"], heading=SLIDER, when=("inputs.joint_targets",), causality="input",
+        heading=SLIDER,
     ),
-    record_block(
+    input_block(
         "given", "one", "tip",
         input_row("force.{axis}", "{axis} of the force on the tip", field="tip_force.{j}"),
-        units=INPUTS_OF["tip_force"], when=("inputs.tip_force",), causality="input",
     ),
-    record_block(
+    input_block(
         GIVEN_CHANNEL, "one", "base",
         input_row("{axis}",  "{axis} of the position of the base",     field="position.{j}"),
         input_row("v{axis}", "{axis} of the velocity of the base",     field="velocity.{j}"),
         input_row("a{axis}", "{axis} of the acceleration of the base", field="acceleration.{j}"),
-        units=INPUTS_OF["base_motion"], when=("inputs.base_motion",), causality="input",
     ),
-    record_block(
+    input_block(
         GIVEN_CHANNEL, "moving wall", "wall.{name}",
         input_row("displacement", "its displacement along its inward normal n", field="position"),
         input_row("velocity",     "its velocity along its inward normal n",     field="velocity"),
         input_row("acceleration", "its acceleration along its inward normal n", field="acceleration"),
         input_row("belt_speed",   "speed of its belt along t = (n_y, -n_x)",    field="velocity.{next}"),
-        units=INPUTS_OF["wall_motion"], heading=WALL, causality="input",
+        heading=WALL,
     ),
 )
 """The kinds of all inputs that scenes can ask for."""

@@ -11,7 +11,9 @@ from chain_impact.scene.errors import find_names, names_matching
 from chain_impact.scene.keys.tables import Outputs
 from chain_impact.scene.rules.key_rules import key_fields
 from chain_impact.scene.scene import Scene, fixed_hint
-from chain_impact.scene.texts.names import DataPath, input_key, parameter_hint
+from chain_impact.scene.texts.input_table import input_key
+from chain_impact.scene.texts.names import DataPath
+from chain_impact.scene.texts.parameter_hints import parameter_hint
 from chain_impact.variables.hints import Hint, output_hint, parts_hint, series_hint
 from chain_impact.variables.listing import absent_hint, outputs_of_scene
 from chain_impact.variables.peaks import JOINT_FORCE, PEAKS

@@ -7,14 +7,9 @@ import re
 import pytest
 
 from chain_impact import load_scene
-from chain_impact.scene.texts.names import (
-    grouped_by_owner,
-    input_key,
-    name_of,
-    name_parts,
-    parameter_hint,
-    path_text,
-)
+from chain_impact.scene.texts.input_table import input_key
+from chain_impact.scene.texts.names import grouped_by_owner, name_of, name_parts, path_text
+from chain_impact.scene.texts.parameter_hints import parameter_hint
 from chain_impact.scene.texts.similar_names import longer_name, name_with_one_typo, nearest_name
 from chain_impact.study_data.sweep.variation import variations_of
 from tests.helpers.tools.refusal import refusal

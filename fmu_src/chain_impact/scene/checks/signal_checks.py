@@ -17,8 +17,8 @@ from chain_impact.scene.files.table_file import jumps_of
 from chain_impact.scene.keys.signal_tables import Samples, Signal, input_unit
 from chain_impact.scene.rules.refusals import SIGNAL_REFUSALS
 from chain_impact.scene.rules.rule_language import is_rule_true
-from chain_impact.scene.signal_inputs import determined_quantities, exclusive_inputs
-from chain_impact.scene.signal_polynomials import PERIOD_TOLERANCE, is_closed, is_motion, joined_by
+from chain_impact.scene.signal_polynomials import PERIOD_TOLERANCE, is_closed, joined_by
+from chain_impact.scene.texts.input_table import determined_quantities, exclusive_inputs, is_motion
 from chain_impact.scene.texts.names import DataPath
 from chain_impact.scene.texts.unit_text import unit_text
 

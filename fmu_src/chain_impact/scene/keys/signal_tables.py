@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from chain_impact.kernel.chain.signals import RAMP_KNOTS, SINE_KNOTS
 from chain_impact.scene.rules.key_rules import NO_KEY, scene_key
-from chain_impact.scene.texts.names import INPUTS_OF, is_like
+from chain_impact.scene.texts.input_table import INPUT_KINDS, input_kind
 from chain_impact.scene.texts.similar_names import nearest_name
 
 SHAPES = ("smooth", "linear", "trapezoid")
@@ -56,7 +56,6 @@ NUMBERS = (
 record has 0 for a key that the form of the signal does not have."""
 INPUT = (r"[A-Za-z][A-Za-z0-9_.\[\]]*", "the name of an input")
 TABLE_FILE = (r"[^\x00]*\.(csv|parquet)", "the path of a CSV or Parquet file, from the folder of the scene")
-_UNITS = {template: unit for inputs in INPUTS_OF.values() for template, unit in inputs.items()}
 
 
 def input_unit(name: str) -> str:
@@ -65,10 +64,8 @@ def input_unit(name: str) -> str:
     A name that is no input is refused only after reading. Until then, it has the unit of the input with the
     most similar name, or "1" if no name is similar.
     """
-    template = next(
-        (known_name for known_name in _UNITS if is_like(name, known_name)), nearest_name(name, _UNITS)
-    )
-    return _UNITS[template] if template else "1"
+    kind = input_kind(name) or INPUT_KINDS.get(nearest_name(name, INPUT_KINDS) or "")
+    return kind.unit if kind else "1"
 
 
 def _unit_of_values(tables: Mapping[str, Any]) -> str:

@@ -18,7 +18,7 @@ from chain_impact.scene.keys.default_rules import (
     default_if_stops,
 )
 from chain_impact.scene.rules.key_rules import IDENTIFIER, scene_key
-from chain_impact.scene.texts.names import INPUTS_OF
+from chain_impact.scene.texts.input_table import INPUT_KEYS
 
 _RESERVED = ("con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10)))
 _ANY_CASE = "|".join("".join(f"[{c.upper()}{c}]" if c.isalpha() else c for c in name) for name in _RESERVED)
@@ -167,7 +167,7 @@ class Inputs:
     @property
     def any(self) -> bool:
         """Whether the scene asks for inputs; inputs that signals drive count, too."""
-        return any(getattr(self, key) for key in INPUTS_OF)
+        return any(getattr(self, key) for key in INPUT_KEYS)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,7 +8,7 @@ from 1, at the base.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 DataPath = tuple[str | int, ...]
@@ -182,57 +182,18 @@ def grouped_by_owner(values: Mapping[str, Any]) -> dict[tuple[str, int, str], di
     return owned
 
 
-INPUTS_OF: dict[str, dict[str, str]] = {
-    "joint_torques": {"joint[{n}].torque": "N.m"},
-    "joint_targets": {
-        **{"joint[{n}].target_angle": "rad", "joint[{n}].target_velocity": "rad/s"},
-        **{"slider.target_position": "m", "slider.target_velocity": "m/s"},
-    },
-    "slider_force": {"slider.force": "N"},
-    "tip_force": {f"tip.force.{axis}": "N" for axis in AXES},
-    "base_motion": {
-        f"base.{prefix}{axis}": unit
-        for prefix, unit in (("", "m"), ("v", "m/s"), ("a", "m/s2"))
-        for axis in AXES
-    },
-    "wall_motion": {
-        **{"wall.{name}.displacement": "m", "wall.{name}.velocity": "m/s"},
-        **{"wall.{name}.acceleration": "m/s2", "wall.{name}.belt_speed": "m/s"},
-    },
-}
-"""Key of `[inputs]` → the inputs that the key adds, as template of the name → unit. {n} stands for the number
-of a joint, {name} for the name of a wall."""
-
-
 def is_like(name: str, template: str) -> bool:
     """Return whether a name matches a template, in which [{n}] matches any number, {name} any word."""
     steps, forms = name.split("."), template.split(".")
-    return len(steps) == len(forms) and all(map(_has_form, steps, forms))
+    return len(steps) == len(forms) and all(map(has_form, steps, forms))
 
 
-def _has_form(step: str, form: str) -> bool:
+def has_form(step: str, form: str) -> bool:
+    """Return whether one step of a name, between dots, matches a step of a template (``is_like``)."""
     head, bracket, number = step.partition("[")
     if form.endswith("}]"):
         return head == form.partition("[")[0] and number[:-1].isdecimal() and number[-1] == "]"
     return step == form or (form == "{name}" and not bracket)
-
-
-def input_key(name: str) -> str | None:
-    """Return the key of `[inputs]` that adds the input ``name``; None if ``name`` has no form of an input."""
-    return next(
-        (key for key, names in INPUTS_OF.items() if any(is_like(name, pattern) for pattern in names)), None
-    )
-
-
-def input_request(name: str) -> str | None:
-    """Return the line of a scene file that adds the input ``name``; None if ``name`` has no form of an input.
-
-    For example ``inputs.joint_torques = true`` for ``joint[2].torque``.
-    """
-    key = input_key(name)
-    if key == "wall_motion":
-        return f'inputs.wall_motion = ["{name.split(".")[1]}"]'
-    return key and f"inputs.{key} = true"
 
 
 SENSITIVITY = "sensitivity."
@@ -242,111 +203,6 @@ SENSITIVITY = "sensitivity."
 def sensitivity_name(output: str, parameter: str) -> str:
     """Return the name of the derivative of an output by a parameter: ``sensitivity.<parameter>.<output>``."""
     return f"{SENSITIVITY}{parameter}.{output}"
-
-
-VALUE_WITHOUT_DRIVE = {
-    "joint[{n}].target_angle": "link[{n}].joint_rest_angle",
-    "slider.target_position": "slider.rest_position",
-    **{f"base.{axis}": f"initial.{axis}" for axis in AXES},
-}
-"""Input → the parameter that gives the input's value if nothing drives the input; {n}: a joint's number."""
-
-
-def without_drive(name: str) -> str | None:
-    """Return the parameter of the input ``name`` in VALUE_WITHOUT_DRIVE; None for any other name."""
-    for template, parameter in VALUE_WITHOUT_DRIVE.items():
-        if is_like(name, template):
-            return parameter.format(n=re.sub("[^0-9]", "", name))
-    return None
-
-
-def value_at_start(values: Mapping[str, Any], name: str) -> float:
-    """Return the value of ``name`` at the start of a run; ``values`` is name → value of a scene.
-
-    If ``values`` lacks the name, it is that of an input that nothing drives: the result is then the value of
-    the input's parameter in VALUE_WITHOUT_DRIVE, or 0 without one.
-    """
-    return float(values.get(name, values.get(without_drive(name) or "", 0.0)))
-
-
-def input_hint(name: str, advice: str) -> str:
-    """Return a hint for the input ``name``, which the user sets like a parameter.
-
-    ``advice`` are the words for how to give the input.
-    """
-    hint = f"it is an input: give it over time {advice}"
-    if start := start_hint(name):
-        return f"{hint}; {start}"
-    parameter = without_drive(name)
-    return f"{hint}; without, it is {parameter}, which can be set" if parameter else hint
-
-
-POSITION_PARTS, ANGLE_PARTS = ("x", "y", "vx", "vy"), ("angle", "angular_velocity")
-START_NAMES = {
-    **{
-        f"{owner}.{part}": f"initial.{part} sets it"
-        for owner in ("base", "point[0]")
-        for part in POSITION_PARTS
-    },
-    "base.position": "initial.x and initial.y set it",
-    "base.velocity": "initial.vx and initial.vy set it",
-    **{f"point[{{n}}].{part}": f"initial.{part} and initial.angle[1] … set it" for part in "xy"},
-    **{f"link[{{n}}].{part}": f"initial.{part}[{{n}}] sets it" for part in ANGLE_PARTS},
-    "joint[{n}].angle": "initial.angle[{n}] sets the absolute angle of link {n}",
-    "joint[{n}].position": "initial.angle[{n}] sets the absolute angle of link {n}",
-    "joint[{n}].angular_velocity": "initial.angular_velocity[{n}] sets that of link {n}, absolute,",
-    "joint[{n}].velocity": "initial.angular_velocity[{n}] sets that of link {n}, absolute,",
-    "slider.position": "with the base at initial.x and initial.y it is 0",
-    "slider.velocity": "initial.slider_velocity sets it",
-}
-"""Quantity of a motion → words for the parameters that set its start value; {n} stands for the number of a
-point, link or joint."""
-
-
-def start_hint(name: str) -> str | None:
-    """Return a hint which parameters set the start of a quantity in START_NAMES; None for another name."""
-    for template, hint in START_NAMES.items():
-        if is_like(name, template):
-            return f"{hint.format(n=re.sub('[^0-9]', '', name))} at the start"
-    return None
-
-
-JOINT_ANGLES = "initial.joint_angles"
-
-
-def parameter_hint(name: str, links: int, signals: Collection[str]) -> str | None:
-    """Return a hint what to do in place of setting ``name``, which is not a parameter of the scene.
-
-    The result is None if no hint is known.
-
-    Args:
-        name: the name that the user typed.
-        links: the number of links.
-        signals: the names of the scene's signals.
-    """
-    owner, _, key = name.partition(".")
-    has_number = key and any(_has_form(owner, form) for form in ("link[{n}]", "joint[{n}]"))
-    if has_number and not 1 <= int(re.sub("[^0-9]", "", owner)) <= links:
-        return f"{owner.partition('[')[0]}s count from 1 to {links}"
-    if input_key(name):
-        python_code = f'simulate(scene, inputs={{"{name}": 1.0}})'
-        return input_hint(name, f"by a signal of the scene, by --inputs FILE, or in Python, {python_code}")
-    if name.startswith(JOINT_ANGLES):
-        return "set initial.angle[1] and so on: each is the sum of the joint angles up to it"
-    start = start_hint(name)
-    return f"it changes in the motion: {start}" if start else signal_hint(name, signals)
-
-
-def signal_hint(name: str, signals: Collection[str]) -> str | None:
-    """Return a hint how to make the signal that ``name``, of the form ``signal.<signal>.<key>``, needs.
-
-    The result is None for a name of another form, and if ``signals`` has the signal.
-    """
-    table, _, key = name.partition(".")
-    signal = key.partition(".")[0]
-    if table not in ("signal", "signals") or not signal or signal in signals:
-        return None
-    return f"a signal is made in the scene file, in a table [signals.{signal}]: docs/drive.md tells how"
 
 
 def _dotted_text(path: DataPath) -> str:

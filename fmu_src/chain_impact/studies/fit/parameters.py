@@ -12,7 +12,9 @@ import numpy as np
 from chain_impact.scene.errors import SceneError, UnknownNameError, value_text
 from chain_impact.scene.scene import Scene, fixed_hint
 from chain_impact.scene.texts.angles import radians_of
-from chain_impact.scene.texts.names import fmu_name, start_hint, value_at_start
+from chain_impact.scene.texts.input_table import value_at_start
+from chain_impact.scene.texts.names import fmu_name
+from chain_impact.scene.texts.parameter_hints import start_hint
 from chain_impact.scene.texts.similar_names import nearest_name
 from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.prepared import PreparedScene

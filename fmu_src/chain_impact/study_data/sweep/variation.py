@@ -13,7 +13,8 @@ from chain_impact.scene.errors import SceneError, UnknownNameError
 from chain_impact.scene.reading import nearest_choice
 from chain_impact.scene.scene import Scene, fixed_hint
 from chain_impact.scene.texts.angles import or_degrees, radians_hint, radians_of
-from chain_impact.scene.texts.names import fmu_name, parameter_hint
+from chain_impact.scene.texts.names import fmu_name
+from chain_impact.scene.texts.parameter_hints import parameter_hint
 from chain_impact.scene.warning import warn
 from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.owners import Owner
