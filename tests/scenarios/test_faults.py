@@ -273,3 +273,24 @@ def test_far_from_the_origin_round_off_is_no_drift():
     )
     result = simulate(scene, stop_time=0.4)
     assert result.statistics["steps"] + result.statistics["rejected_steps"] < 200
+
+
+def test_far_from_the_origin_a_sliding_chain_needs_few_steps():
+    """The round-off of clearances, 2 nm, is larger than the tolerance allows; it needs no shorter steps."""
+    angle, steps = -0.2, []
+    for distance in (0.0, 1.6e7):
+        scene = chain(
+            2,
+            {
+                "position": [distance * math.cos(angle), distance * math.sin(angle) + 1.0],
+                "angles": [0.7, 1.4],
+                "angular_velocities": [-1.2, -1.7],
+            },
+            length=0.2,
+            link={"joint_friction": 0.5},
+            box={},
+            walls=[{"name": "slope", "point": [0.0, 0.0], "angle": angle}],
+            contact={"model": "flores", "stiffness": 1.6e7, "restitution": 0.57, "friction": 0.1},
+        )
+        steps.append(simulate(scene, stop_time=10.0, output=[]).statistics["steps"])
+    assert steps[1] < 4 * steps[0]

@@ -274,7 +274,9 @@ def interface_sources() -> list[Path]:
 def link_library(platform: str, library: Path, *inputs: Path) -> None:
     """Compile those inputs that are sources, and link all inputs to a shared library for a platform."""
     target = PLATFORMS[platform].target
-    options = ["-shared", "-s"]
+    # -Os compiles the C interface for size, because it takes little time beside the kernel. The object file
+    # of the kernel is already optimized for speed.
+    options = ["-shared", "-s", "-Os"]
     if "linux" in target:
         # a call must find its function in this library, not in another library of the process; a function
         # that is missing is an error

@@ -351,14 +351,10 @@ def begin_step(d):
         if d.channel_count > 0:
             evaluate_start(d)
     if d.signal_count > 0 and begin_segments(d):
-        step_control.limit_next_size(
-            d, step_control.size_in_flight(d, d.step.state_end, d.scratch.rate_start)
-        )
+        step_control.limit_to_flight_size(d)
     has_landed = events > 0 and d.contact_settings.any_rigid and d.contacts.force_law_count == 0
     if has_landed and not is_implicit(d):
-        step_control.limit_next_size(
-            d, step_control.size_in_flight(d, d.step.state_end, d.scratch.rate_start)
-        )
+        step_control.limit_to_flight_size(d)
     if events > 0 or d.balance.break_count != d.step.break_count:
         evaluate_balance_at_end(d)
     if not has_kink:

@@ -11,7 +11,7 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.constraints import geometry
 from chain_impact.kernel.equations import energy_balance, mechanical_energy
 from chain_impact.kernel.forces import force_formula
-from chain_impact.kernel.ode import balance, methods, step_control
+from chain_impact.kernel.ode import balance, methods, step_control, step_errors
 from chain_impact.kernel.record.constants import (
     CHECK_FAILED,
     EXPLICIT,
@@ -274,14 +274,12 @@ def test_contacts_add_the_work_of_forces_over_depth_errors():
     d.contacts.effective_mass[touched] = [0.7, 1.9]
     result = balance.energy_scales(d, y)
     forces = [force_formula.elastic_force(d, c, -geometry.clearance_and_rate(d, c)[0]) for c in touched]
-    scale = sum(
-        force * step_control.penetration_scale(d, c) for force, c in zip(forces, touched, strict=True)
-    )
+    scale = sum(force * step_errors.penetration_scale(d, c) for force, c in zip(forces, touched, strict=True))
     round_off_scale = sum(
         force * geometry.coordinate_sum(d, c, y) for force, c in zip(forces, touched, strict=True)
     )
     assert min(forces) > 1.0
-    assert result[0] - without[0] == pytest.approx(scale + step_control.impact_energy(d), rel=1e-9)
+    assert result[0] - without[0] == pytest.approx(scale + step_errors.impact_energy(d), rel=1e-9)
     assert result[1] - without[1] == pytest.approx(round_off_scale, rel=1e-9)
 
 

@@ -55,36 +55,6 @@ def test_the_rise_time_of_a_force_is_that_of_depth_or_damping(power, restitution
     assert step_control.size_at_second_onset(d, 0) == pytest.approx(0.15 * time, rel=1e-13)
 
 
-@pytest.mark.parametrize(
-    ("tolerance", "age", "round_off"),
-    [
-        (1e-4, 0.0, 0.0),
-        (1e-13, 0.0, step_control.POSITION_ROUND_OFF),
-        (1e-13, 0.01, step_control.POSITION_ROUND_OFF_AT_REST),
-    ],
-)
-def test_no_scale_of_an_implicit_step_asks_for_less_than_round_off(tolerance, age, round_off):
-    """The round-off of a place after a large turn, and this round-off times the contact's frequency v₀/δ*."""
-    rng = np.random.default_rng(7)
-    _, d = chain(rng, 2)
-    y = locate_touching_state(rng, d, [0])
-    d.contacts.expected_penetration[0], d.contacts.latched_speed[0], d.solver.tolerance = 1e-6, 0.5, tolerance
-    y[step_control.FIRST_ANGLE + 1] = -4e3
-    d.contacts.onset[0], d.step.end = 1.0, 1.0 + age
-    size, gap = d.chain.longest_link, step_control.sundman_u_at(2)
-    before, after = np.ones((2, gap + 1))
-    step_control.set_scales(d, y, before, 1)
-    step_control.set_scales(d, y, after, 1)
-    step_control.raise_scales(d, y, after, 0)
-    np.testing.assert_array_equal(after, before)
-    step_control.raise_scales(d, y, after, 1)
-    least = 4e3 * size * round_off / tolerance
-    turning, raised = omega_at(2), round_off > 0.0
-    assert after[gap] == pytest.approx(least if raised else before[gap], rel=1e-13)
-    assert after[turning - 1] == pytest.approx(5e5 * least if raised else before[turning - 1], rel=1e-13)
-    assert after[turning] == pytest.approx(5e5 * least / size if raised else before[turning], rel=1e-13)
-
-
 def test_a_size_follows_from_the_error_and_from_the_cost():
     _, d = chain(np.random.default_rng(7), 1)
     for method in (EXPLICIT, IMPLICIT):

@@ -160,8 +160,9 @@ def solve_accelerations_with_armatures(d, y, rate):
         fx = d.chain.mass[i] * (d.chain.gravity[0] - cx)
         fy = d.chain.mass[i] * (d.chain.gravity[1] - cy)
         if d.skewed:
-            # moment of the force F on a centre of mass at the distance o to the left of the link's line, with
-            # the link vector L of length ℓ, and L⊥, which is L turned by 90° to the left: (o/ℓ) L⊥ × F
+            # The centre of mass is at the distance o to the left of the link's line. The force F there adds
+            # the moment (o/ℓ) L⊥ × F, with the link vector L of length ℓ, and L⊥, which is L turned to the
+            # left by 90°.
             applied_force.link[i] -= d.chain.offset_ratio[i] * (link.x[i] * fx + link.y[i] * fy)
         applied_force.x[i] += (1.0 - ratio) * fx
         applied_force.y[i] += (1.0 - ratio) * fy

@@ -227,8 +227,8 @@ def stays_in_contact(d, c, error):
     stays above ``error`` − ``harmless_depth`` [m] (``stays_positive``).
     """
     if c == d.step.regularized_candidate:
-        # φ of a regularized contact is u. That u > 0 at the end of the step suffices, because within one such
-        # step the point does not leave its wall and return to it.
+        # φ of a regularized contact is u. Only the end of the step is tested, because within one step with a
+        # regularized contact the point cannot leave its wall and return to it.
         return d.search.phi_end[c] > 0.0
     return stays_positive(d, c, error)
 

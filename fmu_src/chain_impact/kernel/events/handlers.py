@@ -99,14 +99,14 @@ def apply_events(d):
         - A rigid wall holds a point or has an event.
         - The scene has dry friction or a drive with a limit.
     """
-    # ``onset``: the last candidate with a force law whose contact this function begins; −1: none begins
-    contacts, onset, may_have_jumped = d.contacts, -1, False
+    # ``last_onset``: the last candidate with a force law whose contact this function begins; −1: none begins
+    contacts, last_onset, may_have_jumped = d.contacts, -1, False
     # whether the step size that was proposed before these events may be kept, if a contact goes on and none
     # begins: true after the end of a mode of friction or of a drive and, from the loop below on, after a kink
     # or a new latched speed
     keeps_size = count_mode_changes(d) + d.drive.event > 0
-    # ``rigid``: a rigid wall holds a point or has an event; ``rigid_impact``: a point hits a rigid wall
-    rigid, rigid_impact = any_point_held(d), has_rigid_onset(d)
+    # ``any_rigid_event``: a rigid wall holds a point or has an event
+    any_rigid_event, hits_rigid_wall = any_point_held(d), has_rigid_onset(d)
     locate_points(d, d.step.state_end)
     if d.friction.active_count > 0:
         # The forces decide whether elements stick. All forces are computed again for the end of the step,
@@ -119,35 +119,35 @@ def apply_events(d):
     for c in range(d.candidate_count):
         kind = contacts.event[c]
         if d.law.rigid[c]:
-            rigid = rigid or kind != NO_EVENT
+            any_rigid_event = any_rigid_event or kind != NO_EVENT
             continue
-        if rigid_impact and kind == ONSET:
+        if hits_rigid_wall and kind == ONSET:
             # ``handle_rigid_impacts`` begins this contact after the impulses, because the impulses change the
             # impact speed
             continue
         may_have_jumped = apply_event(d, c, kind) or may_have_jumped
         keeps_size = keeps_size or kind in (RELATCH, KINK)
-        onset = c if kind == ONSET else onset
+        last_onset = c if kind == ONSET else last_onset
         mark_contact_event(d, c, NO_EVENT)
-    if rigid:
-        begun = handle_rigid_impacts(d)
-        onset = begun if begun >= 0 else onset
+    if any_rigid_event:
+        begun_candidate = handle_rigid_impacts(d)
+        last_onset = begun_candidate if begun_candidate >= 0 else last_onset
     list_active_contacts(d)
     choose_saturation(d)
     if d.friction.may_act:
         choose_friction_modes(d, False)
-    if rigid and contacts.force_law_count == 0:
+    if any_rigid_event and contacts.force_law_count == 0:
         if had_forces:
             # the proposed size suits the contact with a force that has just ended, but not the flight after
             # the contact
             step_control.propose_flight_size(d)
         begin_flight(d)
     else:
-        choose_next_size(d, onset, keeps_size)
+        choose_next_size(d, last_onset, keeps_size)
     has_modes = d.friction.may_act != 0 or d.chain.has_drive_limits != 0
     if has_modes:
         expect_peaks(d)
-    return may_have_jumped or rigid or has_modes
+    return may_have_jumped or any_rigid_event or has_modes
 
 
 def restart_contacts_and_modes(d, speeds_may_jump):
@@ -190,9 +190,7 @@ def choose_next_size(d, onset, keeps_size):
     if d.contacts.active_count == 0:
         clear_applied_forces(d)
         step_control.propose_flight_size(d)
-        step_control.limit_next_size(
-            d, step_control.size_in_flight(d, d.step.state_end, d.scratch.rate_start)
-        )
+        step_control.limit_to_flight_size(d)
         begin_flight(d)
     elif onset >= 0 or not (keeps_size or is_implicit(d)):
         c = onset if onset >= 0 else d.contacts.active_index[0]

@@ -47,12 +47,8 @@ from chain_impact.kernel.ode.last_step import (
     largest_turn,
 )
 from chain_impact.kernel.ode.methods import STABLE_STEP, find_joint_stiffness
-from chain_impact.kernel.ode.step_control import (
-    impact_energy,
-    is_accepted,
-    reject_step,
-    set_outcome,
-)
+from chain_impact.kernel.ode.step_control import is_accepted, reject_step, set_outcome
+from chain_impact.kernel.ode.step_errors import impact_energy
 from chain_impact.kernel.record.constants import CHECK_FAILED, SOLVER_READER
 from chain_impact.kernel.record.method import was_implicit
 from chain_impact.kernel.record.state import dissipated_at, supplied_at
@@ -313,7 +309,7 @@ def dissipates_evenly(d, middle):
     """Return whether ``middle`` lies between the dissipated energies at both ends of the last step.
 
     ``middle`` [J] is the dissipated energy in the middle of the step. The result is also true if ``middle``
-    lies outside by at most MIDDLE_CHANGE × STEP_CHANGE × the tolerance × the scale that step_control.py has
+    lies outside by at most MIDDLE_CHANGE × STEP_CHANGE × the tolerance × the scale that step_errors.py has
     for this energy.
     """
     start, end = d.step.state[dissipated_at(d.link_count)], d.step.state_end[dissipated_at(d.link_count)]

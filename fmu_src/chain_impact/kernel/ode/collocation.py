@@ -59,13 +59,10 @@ from chain_impact.kernel.ode.step_control import (
     END_OVERSHOOT,
     ERROR_ORDER,
     clear_faded,
-    force_errors,
-    largest_errors,
-    raise_scales,
     reject_step,
     set_outcome,
-    set_scales,
 )
+from chain_impact.kernel.ode.step_errors import force_errors, largest_errors, raise_scales, set_scales
 from chain_impact.kernel.record.constants import (
     DIVERGED,
     IMPLICIT,

@@ -1,6 +1,6 @@
 """The scales [J] of the errors and of the round-off of the energy balance (balance.py).
 
-The scale S of the errors follows from the scales that step_control.py has for the errors of the components
+The scale S of the errors follows from the scales that step_errors.py has for the errors of the components
 of the state. To first order S is
 
     S = (√(2T) + √E₁)² + M g (s + Σ L_i) + E₂ + Σ k |φ| r + Σ (K δⁿ s_δ + ½ m v₀²)
@@ -25,7 +25,7 @@ from chain_impact.kernel.chain.drives import (
 from chain_impact.kernel.constraints.geometry import clearance_and_rate, coordinate_sum
 from chain_impact.kernel.equations import mechanical_energy
 from chain_impact.kernel.forces.force_formula import elastic_force
-from chain_impact.kernel.ode.step_control import impact_energy, penetration_scale
+from chain_impact.kernel.ode.step_errors import impact_energy, penetration_scale
 from chain_impact.kernel.record.state import dissipated_at, supplied_at
 
 

@@ -19,14 +19,8 @@ from chain_impact.kernel.constraints.geometry import clearance_acceleration, cle
 from chain_impact.kernel.cost import count_evaluations
 from chain_impact.kernel.function_marks import inlined
 from chain_impact.kernel.ode.quadratures import set_quadrature_stage, set_quadrature_stage_at_end
-from chain_impact.kernel.ode.step_control import (
-    END_OVERSHOOT,
-    controlled_count,
-    reject_step,
-    scaled_errors,
-    set_clearance_errors,
-    set_outcome,
-)
+from chain_impact.kernel.ode.step_control import END_OVERSHOOT, reject_step, set_outcome
+from chain_impact.kernel.ode.step_errors import controlled_count, scaled_errors, set_clearance_errors
 from chain_impact.kernel.ode.sundman import regularize_rate, regularized_rate, root_curvature, runs_back
 from chain_impact.kernel.record.constants import NO_CONTACT, STAGE_COUNT, TIME_REVERSED
 from chain_impact.kernel.record.method import is_regularized

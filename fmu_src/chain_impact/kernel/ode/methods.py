@@ -52,10 +52,6 @@ EQUAL_COST_RATIO = 2.5
 # explicit method, with the size h and the rate ρ as for STIFF_STEP: two stable explicit steps then cover the
 # same time at a lower cost.
 NOT_STIFF_STEP = 5.0
-# The implicit method is suggested if FAR_SHORTER times the proposed size of an explicit step is less than the
-# size of the implicit steps before the last change of the method: far from the origin the round-off of
-# positions causes random errors of forces, which only very short explicit steps keep below the tolerance.
-FAR_SHORTER = 25.0
 # The largest product hρ of an explicit step that is limited to a stable size, with its size h and the fastest
 # rate ρ of contacts and joints: two thirds of the hρ up to which DOP853 is stable. A longer step amplifies
 # motions that are too small for the error control to notice.
@@ -95,7 +91,7 @@ def choose_method(d):
                 # the change to the implicit method has not saved cost, so the next changes of the method need
                 # twice as many steps in a row that suggest the other method
                 step.switch_after *= 2
-                step.method, step.other_method_size = EXPLICIT, step.next_size
+                step.method = EXPLICIT
                 limit_to_stable(d)
             else:
                 # if an event or an input has truncated the step, its length is not the size that the errors
@@ -110,17 +106,13 @@ def suggests_switch(d):
     """Return whether the other method would probably cost less than the present ``step.method``.
 
     If the present method is implicit, the proposed size of the next step decides. If the present method is
-    explicit, the length of the last step decides. If the explicit method has replaced the implicit method,
-    the result is also true for a proposed size that, times FAR_SHORTER, is less than the size of the implicit
-    steps (``other_method_size``).
+    explicit, the length of the last step decides.
     """
     step = d.step
     if is_implicit(d):
         if step.other_method_size > 0.0:
             return step.next_size < EQUAL_COST_RATIO * step.other_method_size
         return stiffness_number(d, step.next_size) < NOT_STIFF_STEP
-    if FAR_SHORTER * step.next_size < step.other_method_size:
-        return True
     z = stiffness_number(d, step.end - step.start)
     return z > STIFF_STEP or (z > STIFF_STEP_IN_CONTACT and are_contacts_sustained(d))
 

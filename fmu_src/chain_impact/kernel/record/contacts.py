@@ -73,7 +73,7 @@ def most_constraints(candidate_count: int, friction_element_count: int) -> int:
 @written_by(
     "forces/active_contacts.py",
     event="events/marks.py",
-    clearance_error="ode/step_control.py",
+    clearance_error="ode/step_errors.py",
     **dict.fromkeys(
         ("damping", "expected_penetration", "kink_crossed", "kink_margin"), "forces/force_formula.py"
     ),

@@ -191,7 +191,7 @@ def solver_dtype() -> np.dtype:
     return layout(
         # number of the method of integration, from 1: its position in SOLVER_METHODS of constants.py
         ("method", bounded_integer(1, len(SOLVER_METHODS))),
-        ("tolerance", POSITIVE),  # allowed error of a step, relative to the scales of ode/step_control.py
+        ("tolerance", POSITIVE),  # allowed error of a step, relative to the scales of ode/step_errors.py
         # 1/s, largest cost per second of simulated time, as a number of evaluations of ẏ (kernel/cost.py)
         ("work_limit", POSITIVE),
     )
