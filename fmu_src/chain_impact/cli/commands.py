@@ -25,7 +25,7 @@ from chain_impact.compilation.errors import BuildError
 from chain_impact.console import prepare_console
 from chain_impact.extras import MissingExtraError
 from chain_impact.scene.errors import RefusalError, SceneWarning
-from chain_impact.scene.texts.similar_names import nearest_name
+from chain_impact.scene.texts.similar_names import nearest_text, proposed_name
 from chain_impact.simulation.errors import RunError
 
 REMEDIES = dict.fromkeys((ENOSPC, EDQUOT), "free some space, or write to another disk") | dict.fromkeys(
@@ -159,16 +159,10 @@ class Parser(argparse.ArgumentParser):
             return f"{option} is not an option; files are written by {', '.join(output_options)}"
         # names are compared without dashes, because dashes would make all short names similar
         long_names = [name[2:] for name in self._option_string_actions if name.startswith("--")]
-        near_option = nearest_name(option.strip("-"), long_names)
         verbs_text = ", ".join(self.verbs_by_option.get(option, ()))
-        hint = (
-            f"; it belongs to {verbs_text}"
-            if verbs_text
-            else f"; the nearest is --{near_option}"
-            if near_option
-            else ""
-        )
-        return f"{option} is not an option{hint}"
+        near_option = proposed_name(option.strip("-"), long_names)
+        near_text = f"; the nearest is --{near_option}" if near_option else ""
+        return f"{option} is not an option" + (f"; it belongs to {verbs_text}" if verbs_text else near_text)
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         """Refuse a value that is not among the choices of an argument.
@@ -178,12 +172,10 @@ class Parser(argparse.ArgumentParser):
         """
         if action.choices is None or value in action.choices:
             return
-        near_choice = nearest_name(str(value), map(str, action.choices))
         choices_text = f"must be one of {', '.join(map(str, action.choices))}"
         fault = "is not a command" if isinstance(action.choices, dict) else choices_text
-        raise argparse.ArgumentError(
-            action, f"{value} {fault}" + (f"; the nearest is {near_choice}" if near_choice else "")
-        )
+        near_text = nearest_text(str(value), map(str, action.choices))
+        raise argparse.ArgumentError(action, f"{value} {fault}{near_text}")
 
 
 def parser() -> argparse.ArgumentParser:

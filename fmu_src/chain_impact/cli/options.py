@@ -18,7 +18,7 @@ from chain_impact.scene.errors import RefusalError
 from chain_impact.scene.files.models import model_names, scene_file_path
 from chain_impact.scene.scene import Scene, load_scene
 from chain_impact.scene.settings import with_settings
-from chain_impact.scene.texts.similar_names import nearest_file, nearest_name
+from chain_impact.scene.texts.similar_names import nearest_file_hint, nearest_hint
 
 if TYPE_CHECKING:
     from chain_impact.pictures.drawing.sizes import Size
@@ -142,8 +142,7 @@ def similar_file_hint(missing_path: Any) -> str:
     The file is in the same folder and has the same suffix. The result is "" if no name is similar.
     """
     path = Path(str(missing_path))
-    near_file = nearest_file(path.parent, path.stem, path.suffix)
-    return f"the nearest is {near_file}" if near_file else ""
+    return nearest_file_hint(path.parent, path.stem, path.suffix)
 
 
 def load_scene_with(source: str, settings: Sequence[str], inputs: InputTable | None) -> Scene:
@@ -225,10 +224,7 @@ def style_name(text: str) -> str:
     from matplotlib import style  # imported here, because the import takes long
 
     if text not in style.available:
-        near_style = nearest_name(text, style.available)
-        hint = (
-            f"the nearest is {near_style}" if near_style else f"must be one of {', '.join(style.available)}"
-        )
+        hint = nearest_hint(text, style.available, f"must be one of {', '.join(style.available)}")
         raise argparse.ArgumentTypeError(f"{text} is not a style of matplotlib; {hint}")
     return text
 

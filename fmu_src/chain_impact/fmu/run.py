@@ -23,12 +23,12 @@ from chain_impact.recording.recording import Recording, StoredRecording
 from chain_impact.recording.stick_slip import phases_from
 from chain_impact.scene.errors import SceneError, UnknownNameError
 from chain_impact.scene.half_planes import HalfPlane, half_planes
-from chain_impact.scene.reading import nearest_choice
 from chain_impact.scene.settings import parsed_value
 from chain_impact.scene.texts.angles import or_degrees, radians_of
 from chain_impact.scene.texts.input_table import input_key
 from chain_impact.scene.texts.names import SLIDER_STOPS, STOPS, fmu_name, grouped_by_owner
 from chain_impact.scene.texts.parameter_hints import input_hint, signal_hint, start_hint
+from chain_impact.scene.texts.similar_names import nearest_text
 from chain_impact.simulation.errors import RunError
 from chain_impact.simulation.simulate import check_result_size
 from chain_impact.variables.parameters import SIMULATION_KINDS
@@ -242,7 +242,7 @@ def _start_value(variable: Any, value: Any) -> float | int:
         number = numbers.get(value) if isinstance(value, str) else value
         if isinstance(number, Integral) and number in numbers.values() and not isinstance(number, bool):
             return int(number)
-        meant_text = nearest_choice(value, numbers)
+        meant_text = nearest_text(value, numbers)
         raise SceneError(f"must be one of {', '.join(numbers)}{meant_text}", value=str(value))
     number = radians_of(value, variable.unit or "")
     if not _is_number(number):

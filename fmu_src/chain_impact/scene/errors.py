@@ -9,7 +9,7 @@ from typing import Any
 from chain_impact.deprecated import OlderName
 from chain_impact.scene.rules.refusals import sentence
 from chain_impact.scene.texts.names import DataPath, fmu_name, path_text
-from chain_impact.scene.texts.similar_names import proposed_name
+from chain_impact.scene.texts.similar_names import nearest_hint
 
 NAMED_PARTS = 8  # a message lists quantities of only one owner: at most this number, then …
 SHOWN_CHARACTERS = 60  # a message has at most this number of characters of a value, then ...
@@ -156,8 +156,8 @@ class UnknownNameError(SceneError, KeyError):
         if len(parts) > 1 and {*parts} <= {*names}:
             hint = f"it is {len(parts)} names: separate them by commas, or in Python give a list"
         if hint is None:
-            near_name = proposed_name(name, names) if isinstance(name, str) else None
-            hint = f"the nearest is {near_name}" if near_name else _names_of_owner(name, names) or otherwise
+            other_hint = _names_of_owner(name, names) or otherwise
+            hint = nearest_hint(name, names, other_hint) if isinstance(name, str) else other_hint
         text = name if isinstance(name, str) else value_text(name)
         super().__init__(f"is {what}; {hint}", name=text, source=source)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import math
 import re
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from copy import deepcopy
 from dataclasses import MISSING, Field, is_dataclass
 from numbers import Integral, Real
@@ -22,7 +22,7 @@ from chain_impact.scene.rules.key_rules import (
 )
 from chain_impact.scene.texts.angles import or_degrees, radians_of
 from chain_impact.scene.texts.names import DataPath, path_text
-from chain_impact.scene.texts.similar_names import name_with_one_typo, nearest_name, proposed_name
+from chain_impact.scene.texts.similar_names import name_with_one_typo, nearest_name, nearest_text
 from chain_impact.scene.texts.unit_text import number_hint, power_hint
 
 # the least similarity, from 0 to 1, to an unknown key at which an error proposes a key of the same table
@@ -120,7 +120,7 @@ class Reader:
         if result is None or not keeps_rules(result, metadata):
             choices, unit = metadata["choices"], metadata["unit"]
             needed_text = allowed_text(kind, metadata) + or_degrees(unit)
-            meant_text = nearest_choice(value, choices) if kind is str else meant_number(value, unit)
+            meant_text = nearest_text(value, choices or ()) if kind is str else meant_number(value, unit)
             raise refusal(path, "not_allowed", value=value_text(value), allowed=needed_text + meant_text)
         return result
 
@@ -313,9 +313,3 @@ def decimal_comma(value: Any) -> str:
     """
     match = re.match(r"\s*([+-]?\d+),(\d+)(?![\d,])", value) if isinstance(value, str) else None
     return f"; a number has a decimal point: {match[1]}.{match[2]}" if match else ""
-
-
-def nearest_choice(value: Any, choices: Collection[str] | None) -> str:
-    """Return a hint with the choice that is most similar to the wrong text ``value``; "" if none is."""
-    near_choice = proposed_name(value, choices) if choices and isinstance(value, str) else None
-    return f"; the nearest is {near_choice}" if near_choice else ""

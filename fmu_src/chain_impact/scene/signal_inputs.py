@@ -17,7 +17,7 @@ from chain_impact.scene.files.table_file import read_table, samples_of
 from chain_impact.scene.keys.signal_tables import FORMS, Samples, Signal
 from chain_impact.scene.signal_polynomials import knots_of
 from chain_impact.scene.texts.input_table import determined_quantities
-from chain_impact.scene.texts.similar_names import nearest_name
+from chain_impact.scene.texts.similar_names import nearest_hint
 
 Numbers = tuple[float, ...]
 TARGET_RATE = ".target_velocity"
@@ -102,9 +102,8 @@ def _with_samples(name: str, signal: Signal, folder: Path, stop_time: float) -> 
         raise error_at(key, f": {error}") from None
     for input_name in signal.input:
         if input_name not in columns:
-            near_name = nearest_name(input_name, columns)
-            hint = f"; the nearest is {near_name}" if near_name else f"; it has {', '.join(columns)}"
-            raise error_at(key, f"has no column {input_name}{hint}", repr(signal.file))
+            hint = nearest_hint(input_name, columns, f"it has {', '.join(columns)}")
+            raise error_at(key, f"has no column {input_name}; {hint}", repr(signal.file))
     return replace(
         signal,
         file=str(path),

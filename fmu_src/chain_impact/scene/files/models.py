@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 
 from chain_impact.files import packaged_path
-from chain_impact.scene.texts.similar_names import nearest_file, proposed_name
+from chain_impact.scene.texts.similar_names import nearest_file_hint, nearest_hint
 
 SCENE_FILE = "scene.toml"
 
@@ -48,13 +48,9 @@ def unreadable_message(source: object, error: Exception) -> str:
     reason = error.strerror if isinstance(error, OSError) else error
     reason = f"the folder has no {SCENE_FILE}" if isinstance(error, IsADirectoryError) else reason
     name = path.stem if path.suffix == ".toml" else path.name
-    near_names = (
-        None
-        if "." in name
-        else nearest_file(path.parent, name, ".toml") or proposed_name(name, model_names())
-    )
-    models_hint = (
-        f"the nearest is {near_names}" if near_names else "`chain-impact info --list models` lists them"
-    )
+    models_hint = "`chain-impact info --list models` lists them"
+    if "." not in name:
+        file_hint = nearest_file_hint(path.parent, name, ".toml")
+        models_hint = file_hint or nearest_hint(name, model_names(), models_hint)
     wanted_text = f"a scene file, a folder with {SCENE_FILE}, or a model; {models_hint}"
     return f"{source}: cannot be read ({reason}); must be {wanted_text}"

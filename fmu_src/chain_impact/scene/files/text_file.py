@@ -7,8 +7,9 @@ import io
 import itertools
 import re
 from collections.abc import Iterable
-from difflib import SequenceMatcher
 from pathlib import Path
+
+from chain_impact.scene.texts.similar_names import name_with_one_typo
 
 UTF_16 = (b"\xff\xfe", b"\xfe\xff")  # the byte order marks with which a file in UTF-16 can begin
 ZIP = b"PK\x03\x04"  # first bytes of a ZIP file, such as an FMU or a spreadsheet
@@ -58,7 +59,7 @@ def likely_time(names: Iterable[str]) -> str:
 def time_like(names: Iterable[str]) -> str | None:
     """Return the first of ``names`` that is a word of TIMES, such as ``Time (s)``; None without one.
 
-    If no name is such a word, the result is the first name that is similar to ``time``, such as ``tme``. A
+    If no name is such a word, the result is the first name that is ``time`` with one typo, such as ``tme``. A
     unit in brackets must be one of UNITS_OF_TIME.
     """
     similar_name = None
@@ -69,14 +70,12 @@ def time_like(names: Iterable[str]) -> str | None:
             continue
         if word in TIMES:
             return name
-        if similar_name is None and SequenceMatcher(None, word, "time").ratio() >= LIKE_TIME:
-            similar_name = name
+        similar_name = similar_name or (name_with_one_typo(word, ("time",)) and name)
     return similar_name
 
 
 # words for a time, and units that may follow them, in the names of columns, all in lower case
 TIMES = ("t", "time", "times", "timestamp", "zeit", "temps", "tiempo", "time_s", "t_s", "sec", "s", "seconds")
-LIKE_TIME = 0.75  # [1] least similarity, from 0 to 1, of a misspelt word to "time"
 UNITS_OF_TIME = ("", "s", "sec", "seconds", "ms", "us", "µs", "min")
 
 

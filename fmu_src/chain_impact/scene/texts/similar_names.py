@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterable
 from difflib import get_close_matches
 from pathlib import Path
+from typing import Any
 
 NUMBER = re.compile(r"\[\d*\]")
 SYNONYMS = {"bounce": "restitution", "law": "model", "floor": "box"}
@@ -86,19 +87,6 @@ def nearest_name(name: str, names: Iterable[str], at_least: float = LIKE_NAME) -
     return next(iter(close_names), None)
 
 
-def nearest_file(folder: Path, stem: str, suffix: str) -> Path | None:
-    """Return the file in ``folder`` with ``suffix`` whose name without suffix is most similar to ``stem``.
-
-    The result is None if no name is similar.
-    """
-    try:
-        stems = {file.stem: file for file in folder.glob(f"*{suffix}")}
-    except (OSError, ValueError):  # the path is too long, or no path at all
-        return None
-    near_stem = nearest_name(stem, stems)
-    return stems[near_stem] if near_stem else None
-
-
 def longer_name(name: str, names: Iterable[str]) -> str | None:
     """Return the shortest of ``names`` that contains ``name`` as whole words: ``rod_drop`` for ``rod``.
 
@@ -111,13 +99,43 @@ def longer_name(name: str, names: Iterable[str]) -> str | None:
 
 
 def proposed_name(name: str, names: Iterable[str]) -> str | None:
-    """Return the one of ``names`` that a message proposes for the unknown ``name``.
+    """Return the one of ``names`` that a message proposes for the unknown ``name``; None if none is similar.
 
-    The result is that of ``nearest_name`` or, if this is None, that of ``longer_name``, which may be None,
-    too.
+    The result is that of ``nearest_name`` or, if this is None, that of ``longer_name``.
     """
     names = list(names)
     return nearest_name(name, names) or longer_name(name, names)
+
+
+def nearest_hint(name: str, names: Iterable[str], other_hint: str = "") -> str:
+    """Return the hint "the nearest is …" on the unknown ``name`` (``proposed_name``).
+
+    The result is ``other_hint`` if none of ``names`` is similar.
+    """
+    near_name = proposed_name(name, names)
+    return f"the nearest is {near_name}" if near_name else other_hint
+
+
+def nearest_text(name: Any, names: Iterable[str]) -> str:
+    """Return the end of a message on the unknown ``name``: "; the nearest is …".
+
+    The result is "" if none of ``names`` is similar, or if ``name`` is no text.
+    """
+    hint = nearest_hint(name, names) if isinstance(name, str) else ""
+    return f"; {hint}" if hint else ""
+
+
+def nearest_file_hint(folder: Path, stem: str, suffix: str) -> str:
+    """Return the hint "the nearest is …" with the file in ``folder`` whose name is most similar to ``stem``.
+
+    Only files with ``suffix`` count; names are compared without it. The result is "" if none is similar.
+    """
+    try:
+        stems = {file.stem: file for file in folder.glob(f"*{suffix}")}
+    except (OSError, ValueError):  # the path is too long, or no path at all
+        return ""
+    near_stem = nearest_name(stem, stems)
+    return f"the nearest is {stems[near_stem]}" if near_stem else ""
 
 
 def name_with_one_typo(name: str, names: Iterable[str]) -> str | None:

@@ -14,7 +14,7 @@ from chain_impact.scene.errors import SceneError, names_matching, value_text
 from chain_impact.scene.files.table_file import Table, TableSource, is_table, read_table
 from chain_impact.scene.files.text_file import likely_time, time_like
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.texts.similar_names import nearest_name
+from chain_impact.scene.texts.similar_names import nearest_hint
 from chain_impact.studies.fit.measurements import (
     DURATION,
     MEASURED_OF_IMPACT,
@@ -173,8 +173,8 @@ class _Book:
         return samples, quantities
 
     def _hint(self, name: str, other_names: Sequence[str]) -> str:
-        near_name = nearest_name(name, [*self._outputs, *self._inputs, *MEASURED_OF_IMPACT])
-        hint = f"the nearest is {near_name}" if near_name else f"impacts have {', '.join(MEASURED_OF_IMPACT)}"
+        names = [*self._outputs, *self._inputs, *MEASURED_OF_IMPACT]
+        hint = nearest_hint(name, names, f"impacts have {', '.join(MEASURED_OF_IMPACT)}")
         return (
             f"is not an output that changes over time, no input, and no quantity of an impact; {hint}; name "
             f"it as `chain-impact info` does, or choose columns: --columns {','.join(other_names) or 'NAMES'}"

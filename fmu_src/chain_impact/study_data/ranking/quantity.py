@@ -15,7 +15,7 @@ from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import Sensitivities, slopes_of_impacts
 from chain_impact.scene.errors import SceneError
 from chain_impact.scene.texts.names import name_parts
-from chain_impact.scene.texts.similar_names import nearest_name
+from chain_impact.scene.texts.similar_names import nearest_hint
 from chain_impact.text import count_text
 from chain_impact.variables.impact_units import impact_units
 from chain_impact.variables.peaks import JOINT_FORCE, PEAKS
@@ -63,12 +63,8 @@ def quantity_named(recording: Recording, sensitivities: Sensitivities, name: str
     if name not in sensitivities.columns:
         quantities = (*PEAKS, JOINT_FORCE, *sensitivities.columns)
         of_peak = re.sub(r"\w*$", r"peak_\g<0>", name, count=1)
-        near_name = of_peak if of_peak in quantities else nearest_name(name, quantities)
-        hint = (
-            f"the nearest is {near_name}"
-            if near_name
-            else f"must be an output, {', '.join((*PEAKS, JOINT_FORCE))}"
-        )
+        hint = nearest_hint(name, quantities, f"must be an output, {', '.join((*PEAKS, JOINT_FORCE))}")
+        hint = f"the nearest is {of_peak}" if of_peak in quantities else hint
         if output_hint := recording.output_hint(of_peak):
             hint = f"the nearest is {of_peak}, and {output_hint}"
         raise SceneError(

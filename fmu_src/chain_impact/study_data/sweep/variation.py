@@ -10,11 +10,11 @@ import numpy as np
 
 from chain_impact.scene.contents import named_point_hint, slider_hint
 from chain_impact.scene.errors import SceneError, UnknownNameError
-from chain_impact.scene.reading import nearest_choice
 from chain_impact.scene.scene import Scene, fixed_hint
 from chain_impact.scene.texts.angles import or_degrees, radians_hint, radians_of
 from chain_impact.scene.texts.names import fmu_name
 from chain_impact.scene.texts.parameter_hints import parameter_hint
+from chain_impact.scene.texts.similar_names import nearest_text
 from chain_impact.scene.warning import warn
 from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.owners import Owner
@@ -171,7 +171,7 @@ def _number(variable: Variable, value: object) -> float:
     try:
         return float(radians_of(value, variable.unit))
     except (TypeError, ValueError):
-        needed_text = variable.allowed + or_degrees(variable.unit) + nearest_choice(value, names)
+        needed_text = variable.allowed + or_degrees(variable.unit) + nearest_text(value, names)
         if RANGE.fullmatch(str(value)):
             needed_text += "; a range is written 0.1:0.9:9, with the number of its values"
         raise SceneError(f"must be {needed_text}", value=str(value)) from None
