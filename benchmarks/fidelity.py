@@ -21,7 +21,8 @@ from benchmarks.peers.ours import Kernel
 from benchmarks.problems import DEFAULT, PROBLEMS, STEEL
 from benchmarks.race import judge
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.pictures.drawing.style import BLUE, GREY, INK, write_headline
+from chain_impact.pictures.drawing.colours import BLUE, GREY, INK
+from chain_impact.pictures.drawing.head_and_foot import write_headline
 from chain_impact.scene.scene import Scene, with_values
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.changed_law import law_values

@@ -26,8 +26,9 @@ from benchmarks.looks import LIGHT_BLUE, OUR_COLOUR, WIDTH, name_curves, strong
 from benchmarks.peers.ours import Kernel
 from benchmarks.race import ROUNDS, Entries, above_loosest, race, seconds_at
 from chain_impact import simulate
+from chain_impact.pictures.drawing.colours import BLUE, GREEN, INK, PURPLE
 from chain_impact.pictures.drawing.dark_ground import ORANGE, PLUM
-from chain_impact.pictures.drawing.style import BLUE, GREEN, INK, PURPLE, write_headline
+from chain_impact.pictures.drawing.head_and_foot import write_headline
 from chain_impact.scene.candidates import candidates_of
 from chain_impact.scene.scene import Scene
 from chain_impact.text import number_text

@@ -13,7 +13,7 @@ from matplotlib.patheffects import withStroke
 from matplotlib.transforms import Bbox
 
 from chain_impact.pictures.drawing import style
-from chain_impact.pictures.drawing.style import BLACK, BLUE, GREEN, PURPLE, VERMILLION
+from chain_impact.pictures.drawing.colours import BLACK, BLUE, GREEN, PURPLE, VERMILLION
 
 OUR_COLOUR, LIGHT_BLUE = VERMILLION, "#56b4e9"
 STYLE = style.STYLE | {"axes.grid": True, "axes.titlesize": "medium"}

@@ -18,7 +18,8 @@ from benchmarks.looks import OUR_COLOUR, WIDTH, name_curves, strong
 from benchmarks.peers import MissingError
 from benchmarks.peers.cvode import BUDGET, COUNTS, Cvode, driver
 from benchmarks.peers.ours import OnInstance
-from chain_impact.pictures.drawing.style import BLUE, INK, write_headline
+from chain_impact.pictures.drawing.colours import BLUE, INK
+from chain_impact.pictures.drawing.head_and_foot import write_headline
 from chain_impact.scene.scene import Scene, load_scene, with_values
 from chain_impact.simulation.instance import Instance
 from chain_impact.text import number_text

@@ -26,8 +26,9 @@ from benchmarks.peers.cvode import OVER_BUDGET, Cvode
 from benchmarks.peers.on_kernel import OnKernel
 from benchmarks.peers.ours import Kernel, OnInstance
 from benchmarks.peers.scipy import Scipy
+from chain_impact.pictures.drawing.colours import INK
+from chain_impact.pictures.drawing.head_and_foot import write_headline
 from chain_impact.pictures.drawing.shared_names import name_around
-from chain_impact.pictures.drawing.style import INK, write_headline
 from chain_impact.scene.scene import Scene, scene_from_dict
 from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.instance import Instance

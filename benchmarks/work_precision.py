@@ -25,8 +25,9 @@ from benchmarks import common, peers
 from benchmarks.looks import LOOKS, WIDTH, look, name_curves
 from benchmarks.problems import PROBLEMS
 from benchmarks.race import ROUNDS, judge, race, seconds_at
+from chain_impact.pictures.drawing.colours import INK
+from chain_impact.pictures.drawing.head_and_foot import write_headline
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
-from chain_impact.pictures.drawing.style import INK, write_headline
 from chain_impact.pictures.sweep.colour_bars import number_few_decades
 from chain_impact.text import number_text
 

@@ -17,9 +17,10 @@ from chain_impact.kernel.forces.contact_law import ContactLaw
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.forces.lossless_contact import lossless_penetration
 from chain_impact.pictures.drawing.distinct_curves import draw_band
+from chain_impact.pictures.drawing.head_and_foot import write_headline
 from chain_impact.pictures.drawing.law_looks import law_look
 from chain_impact.pictures.drawing.legends import legend_at_foot
-from chain_impact.pictures.drawing.style import DPI, STYLE, write_headline
+from chain_impact.pictures.drawing.style import DPI, STYLE
 from chain_impact.scene.keys.tables import Contact
 from chain_impact.scene.scene import load_scene, scene_from_dict
 from chain_impact.simulation.simulate import simulate

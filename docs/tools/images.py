@@ -17,7 +17,7 @@ import numpy as np
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from chain_impact.pictures.drawing.style import TIME_COLOURS
+from chain_impact.pictures.drawing.colours import TIME_COLOURS
 from chain_impact.scene.files.models import model_names
 from docs.tools import DOCS
 

@@ -13,9 +13,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from chain_impact import Chain, load_scene, simulate
+from chain_impact.pictures.drawing.head_and_foot import write_headline
 from chain_impact.pictures.drawing.law_looks import law_look
 from chain_impact.pictures.drawing.legends import legend_at_head
-from chain_impact.pictures.drawing.style import DPI, STYLE, write_headline
+from chain_impact.pictures.drawing.style import DPI, STYLE
 from docs.tools import DOCS
 
 PICTURE = DOCS / "images" / "paper.png"

@@ -17,7 +17,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from chain_impact import Result, simulate
-from chain_impact.pictures.drawing.style import BLACK, DPI, PALETTE, STYLE, write_headline
+from chain_impact.pictures.drawing.colours import BLACK, PALETTE
+from chain_impact.pictures.drawing.head_and_foot import write_headline
+from chain_impact.pictures.drawing.style import DPI, STYLE
 from chain_impact.pictures.over_time.time_axis import mark_impacts
 from chain_impact.pictures.rows_of_impacts import is_outside_impacts
 from chain_impact.pictures.sensitivity_table import SIGNED_COLOURS, cell_text, colour_norm

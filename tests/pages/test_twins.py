@@ -29,7 +29,7 @@ from chain_impact.map_colours import WIDE_COLOURS, colour_ends, count_bins, valu
 from chain_impact.pages.assembly import browser_text
 from chain_impact.pages.drawn import GROUPS, drawn_entries
 from chain_impact.pages.recorded import data, free_sides, impacts
-from chain_impact.pictures.drawing.style import LOAD
+from chain_impact.pictures.drawing.colours import LOAD
 from chain_impact.pictures.film.arrow_scale import ArrowScale
 from chain_impact.pictures.film.film import FORCE, MUTED
 from chain_impact.pictures.over_time.energies import ENERGIES, without_gap

@@ -1,6 +1,6 @@
 """The committed pictures of models: their texts equal the texts that the code draws."""
 
-# Tests: pictures/drawing/style.py
+# Tests: pictures/drawing/picture_files.py
 
 import re
 from pathlib import Path
@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from chain_impact.pictures.drawing.style import picture_metadata
+from chain_impact.pictures.drawing.picture_files import picture_metadata
 from chain_impact.scene.files.models import model_names
 from docs.tools.images import MODELS_OF_PROGRAMS
 from tests.pictures.pictures import page_of, recorded

@@ -10,7 +10,7 @@ from chain_impact import UnknownNameError, load_scene, simulate
 from chain_impact.pictures.curve_looks import look_indices
 from chain_impact.pictures.curve_peaks import extremes, largest_vectors
 from chain_impact.pictures.curves import NO_FORCE, narrow_peak
-from chain_impact.pictures.drawing.style import LOAD, PALETTE, PEAK_COLOUR
+from chain_impact.pictures.drawing.colours import LOAD, PALETTE, PEAK_COLOUR
 from chain_impact.pictures.over_time.energies import ENERGIES
 from chain_impact.recording.curves import CLOSE_TIMES, Curves
 from tests.pictures.pictures import WIDTHS, check_texts, recorded

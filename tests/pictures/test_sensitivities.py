@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from chain_impact import UnknownNameError, load_scene, simulate
 from chain_impact.pictures import sensitivity_finding
-from chain_impact.pictures.drawing.style import PALETTE
+from chain_impact.pictures.drawing.colours import PALETTE
 from chain_impact.pictures.first_order import (
     MOST_OF_ZERO,
     is_first_order_true,

@@ -10,9 +10,9 @@ from matplotlib.colors import rgb_to_hsv, to_hex, to_rgb
 from matplotlib.figure import Figure
 
 from chain_impact import load_scene, simulate
+from chain_impact.pictures.drawing.colours import PALETTE
 from chain_impact.pictures.drawing.dark_ground import lightened_colour
 from chain_impact.pictures.drawing.headings import height_with_heading
-from chain_impact.pictures.drawing.style import PALETTE
 from chain_impact.pictures.sensitivities import LARGEST_EFFECTS
 from chain_impact.pictures.sensitivity_table import (
     CELL_HEIGHT,

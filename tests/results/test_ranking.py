@@ -14,8 +14,9 @@ from matplotlib.text import Text
 
 from chain_impact import SceneError, UnknownNameError, load_scene, simulate
 from chain_impact.pictures.bars import CUT_BARS, CUT_MARKS, PALE_BARS, Bars, draw_bar_figure, shared_ends
+from chain_impact.pictures.drawing.colours import INCREASE, INK
+from chain_impact.pictures.drawing.head_and_foot import LEFT_MARGIN
 from chain_impact.pictures.drawing.row_names import ROW_PITCH
-from chain_impact.pictures.drawing.style import INCREASE, INK, LEFT_MARGIN
 from chain_impact.results.ranking import ranking_of
 from chain_impact.scene.texts.plain_names import plain_name
 from chain_impact.scene.texts.unit_text import stiffness_unit

@@ -17,25 +17,18 @@ from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import ScaledTranslation
 
+from chain_impact.pictures.drawing.axis_numbers import LEAST_TICKS, TICK_STEPS
+from chain_impact.pictures.drawing.colours import DECREASE, GREY, INCREASE, INK, PALE_GREY, PEAK_COLOUR
 from chain_impact.pictures.drawing.figures import settle
-from chain_impact.pictures.drawing.legends import legend_at_head
-from chain_impact.pictures.drawing.line_breaks import SEPARATOR
-from chain_impact.pictures.drawing.style import (
-    DECREASE,
-    GREY,
-    INCREASE,
-    INK,
-    LEAST_TICKS,
+from chain_impact.pictures.drawing.head_and_foot import (
     LEFT_MARGIN,
-    PALE_GREY,
-    PEAK_COLOUR,
-    TICK_STEPS,
-    drawing_style,
-    is_narrow,
     start_at_headline,
     start_left,
     write_headline,
 )
+from chain_impact.pictures.drawing.legends import legend_at_head
+from chain_impact.pictures.drawing.line_breaks import SEPARATOR
+from chain_impact.pictures.drawing.style import drawing_style, is_narrow
 
 BARS_WIDTH = 7.0  # [inch] the width of the figure
 BARS_MARGIN = 1.4  # [inch] the sum of the spaces above and below all bars

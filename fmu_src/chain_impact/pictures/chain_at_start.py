@@ -16,7 +16,8 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Polygon
 
-from chain_impact.pictures.drawing.style import BLUE, COLOURS, INK, STYLE, VERMILLION
+from chain_impact.pictures.drawing.colours import BLUE, INK, VERMILLION
+from chain_impact.pictures.drawing.style import COLOURS, STYLE
 from chain_impact.pictures.motion.bodies import body_look
 from chain_impact.pictures.motion.poses import draw_chain
 from chain_impact.pictures.motion.walls import draw_pin, draw_room

@@ -6,7 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 
-from chain_impact.pictures.drawing.style import PALETTE
+from chain_impact.pictures.drawing.colours import PALETTE
 
 DASHES = ("-", "--", ":")
 # for curves with peaks as narrow as a line, from which longer dashes would leave pieces

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from chain_impact.pictures.drawing.axis_numbers import force_text
 from chain_impact.pictures.drawing.labels import Label
-from chain_impact.pictures.drawing.style import force_text
 from chain_impact.pictures.texts.headline import Peak, largest_peaks
 from chain_impact.recording.curves import Curves
 from chain_impact.recording.recording import Recording

@@ -8,7 +8,7 @@ import numpy as np
 
 from chain_impact.pictures.curve_looks import shared_part
 from chain_impact.pictures.curve_peaks import MARKED_UNITS
-from chain_impact.pictures.drawing.style import load_unit
+from chain_impact.pictures.drawing.axis_numbers import load_unit
 from chain_impact.recording.curves import Curves
 from chain_impact.scene.texts.names import AXES
 from chain_impact.scene.texts.unit_text import unit_text

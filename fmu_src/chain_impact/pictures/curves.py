@@ -32,21 +32,15 @@ from chain_impact.pictures.curve_texts import (
     quantity_text,
     values_at_onset,
 )
+from chain_impact.pictures.drawing.axis_numbers import force_text, give_ticks
+from chain_impact.pictures.drawing.colours import PALETTE, faint_colour
 from chain_impact.pictures.drawing.distinct_curves import dash_lines, plot_curves
 from chain_impact.pictures.drawing.figures import PANEL_HEIGHT, settle
+from chain_impact.pictures.drawing.head_and_foot import write_foot
 from chain_impact.pictures.drawing.labels import Label, place_labels
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
-from chain_impact.pictures.drawing.style import (
-    FULL_WIDTH,
-    PALETTE,
-    drawing_style,
-    faint_colour,
-    force_text,
-    give_ticks,
-    is_narrow,
-    write_foot,
-)
+from chain_impact.pictures.drawing.style import FULL_WIDTH, drawing_style, is_narrow
 from chain_impact.pictures.drawing.used_pixels import UsedPixels
 from chain_impact.pictures.drawing.users_axes import draw_into, fit_into_figure
 from chain_impact.pictures.over_time.energies import ENERGIES, energy_look

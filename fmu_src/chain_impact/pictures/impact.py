@@ -9,22 +9,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from chain_impact.pictures.drawing.axis_numbers import force_text, give_ticks, load_unit
+from chain_impact.pictures.drawing.colours import BLUE, GREEN, INK, VERMILLION
 from chain_impact.pictures.drawing.figures import settle
+from chain_impact.pictures.drawing.head_and_foot import write_headline
 from chain_impact.pictures.drawing.labels import Label, place_labels
 from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
-from chain_impact.pictures.drawing.style import (
-    BLUE,
-    GREEN,
-    INK,
-    VERMILLION,
-    drawing_style,
-    force_text,
-    give_ticks,
-    is_narrow,
-    load_unit,
-    write_headline,
-)
+from chain_impact.pictures.drawing.style import drawing_style, is_narrow
 from chain_impact.pictures.drawing.used_pixels import UsedPixels
 from chain_impact.pictures.drawing.users_axes import draw_into, fit_into_figure
 from chain_impact.pictures.over_time.single_impact import shown_contact

@@ -10,10 +10,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from chain_impact.pictures.drawing.figures import settle
+from chain_impact.pictures.drawing.head_and_foot import write_foot
 from chain_impact.pictures.drawing.legends import legend_above, legend_beside
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.sizes import Size
-from chain_impact.pictures.drawing.style import drawing_style, is_narrow, write_foot
+from chain_impact.pictures.drawing.style import drawing_style, is_narrow
 from chain_impact.pictures.drawing.used_pixels import UsedPixels
 from chain_impact.pictures.drawing.users_axes import draw_into, fit_into_figure
 from chain_impact.pictures.motion.motion import all_entries, draw_motion, small_reach

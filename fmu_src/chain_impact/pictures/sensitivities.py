@@ -21,23 +21,15 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from chain_impact.pictures.drawing.axis_numbers import give_ticks
+from chain_impact.pictures.drawing.colours import GREY, INK, OUTSIDE_COLOUR, PALETTE
 from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, draw_band
 from chain_impact.pictures.drawing.figures import settle
+from chain_impact.pictures.drawing.head_and_foot import start_at_headline, write_foot, write_headline
 from chain_impact.pictures.drawing.headings import HEIGHT_COUNTS, name_above
 from chain_impact.pictures.drawing.legends import legend_at_head
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
-from chain_impact.pictures.drawing.style import (
-    GREY,
-    INK,
-    OUTSIDE_COLOUR,
-    PALETTE,
-    drawing_style,
-    give_ticks,
-    is_narrow,
-    start_at_headline,
-    write_foot,
-    write_headline,
-)
+from chain_impact.pictures.drawing.style import drawing_style, is_narrow
 from chain_impact.pictures.first_order import drawn_rows, known_changes, shares, with_small_steps
 from chain_impact.pictures.over_time.time_axis import impact_handles, mark_impacts, name_time
 from chain_impact.pictures.rows_of_impacts import is_outside_impacts

@@ -12,18 +12,11 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedFormatter, FixedLocator
 from matplotlib.transforms import ScaledTranslation, blended_transform_factory
 
+from chain_impact.pictures.drawing.colours import DECREASE, GREY, INCREASE, INK, OUTSIDE_COLOUR
 from chain_impact.pictures.drawing.dark_ground import lightened_colour, luminance
+from chain_impact.pictures.drawing.head_and_foot import LEFT_MARGIN, start_left
 from chain_impact.pictures.drawing.line_breaks import break_lines
-from chain_impact.pictures.drawing.style import (
-    DECREASE,
-    GREY,
-    INCREASE,
-    INK,
-    LEFT_MARGIN,
-    OUTSIDE_COLOUR,
-    is_narrow,
-    start_left,
-)
+from chain_impact.pictures.drawing.style import is_narrow
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.sensitivity import RELATIVE_STEP, Sensitivities
 from chain_impact.text import count_text, signed_text

@@ -15,7 +15,9 @@ from matplotlib.figure import Figure
 
 from chain_impact import load_scene, simulate
 from chain_impact.pictures import draw_figure
-from chain_impact.pictures.drawing.style import BLACK, BLUE, PALETTE, STYLE, VERMILLION, write_headline
+from chain_impact.pictures.drawing.colours import BLACK, BLUE, PALETTE, VERMILLION
+from chain_impact.pictures.drawing.head_and_foot import write_headline
+from chain_impact.pictures.drawing.style import STYLE
 from tests.helpers.literature.measured import heard_impacts, measured
 from tests.helpers.models.beam import Bar, impulse
 

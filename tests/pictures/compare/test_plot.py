@@ -24,8 +24,8 @@ from chain_impact.pictures.compare.plot import (
     plot_comparison,
     shown_span,
 )
+from chain_impact.pictures.drawing.colours import GREY, INK
 from chain_impact.pictures.drawing.law_looks import LAW_LOOKS
-from chain_impact.pictures.drawing.style import GREY, INK
 from chain_impact.pictures.over_time.energies import energy_curves
 from chain_impact.scene.scene import with_values
 from tests.helpers.scenes.problems import default_scene, driven

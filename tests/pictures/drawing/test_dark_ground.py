@@ -10,11 +10,12 @@ from matplotlib.colors import to_hex, to_rgb, to_rgba
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from chain_impact.pictures.drawing import style
+from chain_impact.pictures.drawing import colours
+from chain_impact.pictures.drawing.colours import BLACK, PALETTE
 from chain_impact.pictures.drawing.dark_ground import Ground, is_dark, lightened_colour, luminance
 from chain_impact.pictures.drawing.law_looks import LAW_LOOKS
 from chain_impact.pictures.drawing.legends import KEY
-from chain_impact.pictures.drawing.style import BLACK, PALETTE, adapt_to_dark_style
+from chain_impact.pictures.drawing.style import adapt_to_dark_style
 from tests.pictures.pictures import contrast, lab_colour, recorded
 
 
@@ -76,8 +77,8 @@ def test_a_transparent_area_can_be_seen_on_a_dark_ground():
     axes = Figure().subplots()
     areas = [
         axes.fill_between([0.0, 1.0], 1.0, color="red", alpha=0.1),
-        axes.fill_between([0.0, 1.0], 1.0, facecolor=(style.GREY, 0.3)),
-        *axes.fill([0.0, 1.0, 1.0], [0.0, 0.0, 1.0], color=style.BLUE, alpha=0.1),
+        axes.fill_between([0.0, 1.0], 1.0, facecolor=(colours.GREY, 0.3)),
+        *axes.fill([0.0, 1.0, 1.0], [0.0, 0.0, 1.0], color=colours.BLUE, alpha=0.1),
     ]
     with matplotlib.style.context("dark_background"):
         adapt_to_dark_style(axes.figure)
@@ -149,17 +150,17 @@ def dark_grounds():
 @pytest.mark.parametrize(("ground", "text"), dark_grounds())
 def test_colours_and_texts_have_enough_contrast_on_a_dark_ground(ground, text):
     dark = Ground(ground, text)
-    names = [name for name in vars(style) if name.isupper() and isinstance(getattr(style, name), str)]
-    hues = [getattr(style, name) for name in names if getattr(style, name).startswith("#")]
+    names = [name for name in vars(colours) if name.isupper() and isinstance(getattr(colours, name), str)]
+    hues = [getattr(colours, name) for name in names if getattr(colours, name).startswith("#")]
     assert len(hues) >= len(PALETTE)
-    hues += [style.TIME_COLOURS(part) for part in np.linspace(0.0, 1.0, 9)]
+    hues += [colours.TIME_COLOURS(part) for part in np.linspace(0.0, 1.0, 9)]
     for colour in hues:
         assert contrast(dark.suited_colour(colour), ground) >= 4.5
-    assert contrast(dark.suited_colour(style.INK), ground) >= 4.5
-    assert contrast(dark.suited_colour(style.BLACK), ground) >= 4.5
-    assert contrast(dark.suited_colour(style.GREY), ground) >= 3.0
-    assert contrast(dark.suited_colour(style.PALE_GREY), ground) >= 1.99
-    for faint in (1.0 - style.IMPACT_LINE, 1.0 - 2.0 * style.SHADE):
+    assert contrast(dark.suited_colour(colours.INK), ground) >= 4.5
+    assert contrast(dark.suited_colour(colours.BLACK), ground) >= 4.5
+    assert contrast(dark.suited_colour(colours.GREY), ground) >= 3.0
+    assert contrast(dark.suited_colour(colours.PALE_GREY), ground) >= 1.99
+    for faint in (1.0 - colours.IMPACT_LINE, 1.0 - 2.0 * colours.SHADE):
         assert contrast(dark.suited_colour(f"{faint}"), ground) >= 1.99
-    for area in (style.OUTSIDE_COLOUR, f"{1.0 - style.SHADE}"):
+    for area in (colours.OUTSIDE_COLOUR, f"{1.0 - colours.SHADE}"):
         assert contrast(dark.suited_colour(area), ground) >= 1.49

@@ -1,5 +1,7 @@
 """The style of all pictures: distinguishable colours, and a headline over the panels."""
 
+# Tests: pictures/drawing/axis_numbers.py, pictures/drawing/colours.py, pictures/drawing/head_and_foot.py
+
 import itertools
 
 import numpy as np
@@ -7,10 +9,12 @@ import pytest
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
+from chain_impact.pictures.drawing.axis_numbers import force_text
+from chain_impact.pictures.drawing.colours import LOAD, PALETTE
 from chain_impact.pictures.drawing.dark_ground import Ground
+from chain_impact.pictures.drawing.head_and_foot import fitted_lines, write_headline
 from chain_impact.pictures.drawing.law_looks import LAW_LOOKS
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
-from chain_impact.pictures.drawing.style import LOAD, PALETTE, fitted_lines, force_text, write_headline
 from chain_impact.pictures.over_time.energies import ENERGIES
 from chain_impact.text import number_text
 from tests.pictures.pictures import contrast, lab_colour

@@ -7,7 +7,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from chain_impact import record_slowly
-from chain_impact.pictures.drawing.style import force_text
+from chain_impact.pictures.drawing.axis_numbers import force_text
 from chain_impact.pictures.film.arrow_numbers import Number, without_equals
 from chain_impact.pictures.film.arrow_scale import ArrowScale, arrow_between
 from chain_impact.pictures.film.film import Film

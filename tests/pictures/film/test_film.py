@@ -12,8 +12,9 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from chain_impact import Recording, SceneWarning, load_scene, parse_scene, record_slowly, simulate
+from chain_impact.pictures.drawing.axis_numbers import force_text
+from chain_impact.pictures.drawing.colours import LOAD, TIME_COLOURS
 from chain_impact.pictures.drawing.dark_ground import lightened_colour
-from chain_impact.pictures.drawing.style import LOAD, TIME_COLOURS, force_text
 from chain_impact.pictures.film.charts import COLOURED_PARTS, largest_forces, stretch
 from chain_impact.pictures.film.film import FILM_STYLE, FORCE, Film
 from chain_impact.pictures.film.film_layout import LEAST_WIDTH, SIZE_WITH_CHARTS, layout_for

@@ -14,8 +14,9 @@ from matplotlib.collections import PathCollection
 
 from chain_impact import fit, load_scene, simulate
 from chain_impact.pictures.drawing.axis_labels import numbers_in_view
+from chain_impact.pictures.drawing.colours import PALETTE, PEAK_COLOUR
 from chain_impact.pictures.drawing.figures import text_boxes
-from chain_impact.pictures.drawing.style import PALETTE, PEAK_COLOUR, picture_metadata
+from chain_impact.pictures.drawing.picture_files import picture_metadata
 from chain_impact.pictures.fit.columns import MEAN, MOST_DOTS, running_means
 from chain_impact.studies.fit.estimates import LawEstimates
 from chain_impact.studies.fit.report import fit_heading, sigma_of

@@ -17,8 +17,9 @@ from matplotlib.text import Text
 from chain_impact import load_scene, simulate
 from chain_impact.pictures import draw_chain
 from chain_impact.pictures.drawing import figures
+from chain_impact.pictures.drawing.axis_numbers import force_text
+from chain_impact.pictures.drawing.colours import LOAD, PEAK_COLOUR
 from chain_impact.pictures.drawing.labels import MARK_LENGTH
-from chain_impact.pictures.drawing.style import LOAD, PEAK_COLOUR, force_text
 from chain_impact.pictures.motion.impact_rings import RING_SIZE, rings, rows_by_speed
 from chain_impact.pictures.motion.joint_forces import LOAD_SHIFT, draw_loads, part_in_view, shifted_foot
 from chain_impact.pictures.motion.motion import small_reach

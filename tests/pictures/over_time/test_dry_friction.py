@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from chain_impact import simulate
+from chain_impact.pictures.drawing.colours import GREY, INK
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
-from chain_impact.pictures.drawing.style import GREY, INK
 from chain_impact.pictures.over_time.dry_friction import MOST_ROWS
 from chain_impact.pictures.over_time.energies import energy_curves
 from chain_impact.pictures.texts.conditions import conditions

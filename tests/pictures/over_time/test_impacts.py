@@ -10,7 +10,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
-from chain_impact.pictures.drawing.style import GREY
+from chain_impact.pictures.drawing.colours import GREY
 from chain_impact.pictures.over_time.energies import (
     ENERGIES,
 )

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
+from chain_impact.pictures.drawing.colours import INK, LOAD, PEAK_COLOUR
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
-from chain_impact.pictures.drawing.style import INK, LOAD, PEAK_COLOUR
 from chain_impact.pictures.texts.conditions import conditions
 from chain_impact.pictures.texts.headline import (
     energy_texts,

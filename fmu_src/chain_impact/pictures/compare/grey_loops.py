@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 
+from chain_impact.pictures.drawing.colours import GREY
 from chain_impact.pictures.drawing.distinct_curves import draw_band
-from chain_impact.pictures.drawing.style import GREY
 
 # number of penetrations at which the lower and upper edge of the grey band of loops are computed
 BAND_POINTS = 400

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.pictures.drawing.style import load_unit
+from chain_impact.pictures.drawing.axis_numbers import load_unit
 from chain_impact.scene.texts.unit_text import with_unit
 from chain_impact.study_data.compared_impact import LOSSLESS_LAW, compared_impact
 from chain_impact.study_data.law_runs import LawRecording, LawRuns

@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from chain_impact.pictures.drawing.colours import GREY
 from chain_impact.pictures.drawing.distinct_curves import SAME_CURVE, coincide
 from chain_impact.pictures.drawing.law_looks import LAW_LOOKS, law_look
-from chain_impact.pictures.drawing.style import GREY
 from chain_impact.study_data.compared_impact import LOSSLESS_LAW
 from chain_impact.study_data.law_runs import LawRecording, LawRuns, has_jump
 

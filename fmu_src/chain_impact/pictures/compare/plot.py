@@ -28,23 +28,16 @@ from chain_impact.pictures.compare.looks import (
     brief_law_names,
     looks_of_laws,
 )
+from chain_impact.pictures.drawing.axis_numbers import force_text, give_ticks, raise_exponents
+from chain_impact.pictures.drawing.colours import GREY, INK
 from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, dash_lines, draw_band
 from chain_impact.pictures.drawing.end_labels import EndLabel, spread, write_end_labels
 from chain_impact.pictures.drawing.figures import check_alone, draw_figure, settle
+from chain_impact.pictures.drawing.head_and_foot import write_foot, write_headline
 from chain_impact.pictures.drawing.legends import legend_at_head
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.sizes import Size
-from chain_impact.pictures.drawing.style import (
-    GREY,
-    INK,
-    drawing_style,
-    force_text,
-    give_ticks,
-    is_narrow,
-    raise_exponents,
-    write_foot,
-    write_headline,
-)
+from chain_impact.pictures.drawing.style import drawing_style, is_narrow
 from chain_impact.pictures.drawing.users_axes import draw_into, fit_into_figure
 from chain_impact.pictures.over_time.energies import offset_text, shown_energies
 from chain_impact.pictures.over_time.rests import shown_time

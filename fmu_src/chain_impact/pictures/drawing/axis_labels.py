@@ -12,9 +12,9 @@ from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 
+from chain_impact.pictures.drawing.axis_numbers import LEAST_TICKS
 from chain_impact.pictures.drawing.headings import has_heading
 from chain_impact.pictures.drawing.line_breaks import COMMA, break_lines
-from chain_impact.pictures.drawing.style import LEAST_TICKS
 
 EDGE_MARGIN = 0.04  # [inch] the least distance of a label of an axis from the figure's left and right edge
 # a number at an axis counts as between the ends of the axis if it is beyond an end by at most this part of

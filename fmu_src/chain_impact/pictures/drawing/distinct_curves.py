@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from chain_impact.pictures.drawing.style import GREY
+from chain_impact.pictures.drawing.colours import GREY
 
 MOST_GREY = 2  # the largest number of grey curves that are drawn as curves; more are drawn as one band
 # the opacity of a band, from 0 to 1, and the width of the line at its edge [points]

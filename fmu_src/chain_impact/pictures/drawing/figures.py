@@ -20,6 +20,7 @@ from matplotlib.transforms import Bbox
 from chain_impact.pictures.drawing.axis_labels import break_labels, numbers_in_view
 from chain_impact.pictures.drawing.headings import MAY_BE_LOW, has_heading, height_with_heading
 from chain_impact.pictures.drawing.legends import fit_legends
+from chain_impact.pictures.drawing.picture_files import drawn_figure, save
 from chain_impact.pictures.drawing.row_names import lacking_for_rows
 from chain_impact.pictures.drawing.shared_names import FRAME, framed_panels
 from chain_impact.pictures.drawing.sizes import LEAST_SIZE, Size, figure_size
@@ -30,8 +31,6 @@ from chain_impact.pictures.drawing.style import (
     StyledFigure,
     adapt_to_dark_style,
     drawing_style,
-    drawn_figure,
-    save,
     type_for,
 )
 

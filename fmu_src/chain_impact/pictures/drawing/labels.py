@@ -12,8 +12,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 
+from chain_impact.pictures.drawing.colours import INK
 from chain_impact.pictures.drawing.dark_ground import TEXT_OUTLINE
-from chain_impact.pictures.drawing.style import INK
 from chain_impact.pictures.drawing.used_pixels import UsedPixels
 
 LABEL_OFFSET = 4.0  # [points] the usual distance from a position to its label

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from chain_impact.pictures.drawing.colours import BLACK, BLUE, BROWN, GREEN, INK, PURPLE, VERMILLION
 from chain_impact.pictures.drawing.dark_ground import UMBER
-from chain_impact.pictures.drawing.style import BLACK, BLUE, BROWN, GREEN, INK, PURPLE, VERMILLION
 
 LAW_LOOKS: dict[str, dict[str, Any]] = {
     "zhang_sharf": {"color": BLACK},

@@ -15,8 +15,9 @@ from matplotlib.legend_handler import HandlerLineCollection
 from matplotlib.lines import Line2D
 from matplotlib.offsetbox import HPacker, PackerBase, VPacker
 
+from chain_impact.pictures.drawing.head_and_foot import GAP, LEFT_MARGIN, foot_of, head_of, reserve_margins
 from chain_impact.pictures.drawing.line_breaks import HALVINGS, break_lines
-from chain_impact.pictures.drawing.style import GAP, LEFT_MARGIN, foot_of, head_of, is_narrow, reserve_margins
+from chain_impact.pictures.drawing.style import is_narrow
 
 SAMPLE_PIECES = 12  # the number of pieces of the sample of a line that has many colours
 

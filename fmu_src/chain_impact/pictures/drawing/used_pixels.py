@@ -12,7 +12,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
-from chain_impact.pictures.drawing.style import FLAT_COLOURS, SHADE, faint_colour
+from chain_impact.pictures.drawing.colours import FLAT_COLOURS, SHADE, faint_colour
 
 MOST_COVERED = 0.6  # the largest part of a leader's length that may cover other drawn pixels
 STRONG_COLOUR = 128  # a pixel is strong if its red, green or blue, 0 to 255, is below this number

@@ -19,7 +19,8 @@ from matplotlib.text import Text
 from matplotlib.ticker import EngFormatter
 from matplotlib.transforms import Bbox
 
-from chain_impact.pictures.drawing.style import LOAD, force_text
+from chain_impact.pictures.drawing.axis_numbers import force_text
+from chain_impact.pictures.drawing.colours import LOAD
 from chain_impact.pictures.film.scale_bar import NUMBER_SIZE, ruler_parts
 from chain_impact.recording.view import DECADES, LONGEST_ARROW
 

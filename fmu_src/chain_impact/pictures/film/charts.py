@@ -21,10 +21,11 @@ from matplotlib.patheffects import withStroke
 from matplotlib.text import Text
 from matplotlib.transforms import ScaledTranslation
 
+from chain_impact.pictures.drawing.axis_numbers import force_text, give_ticks, load_unit
+from chain_impact.pictures.drawing.colours import INK, LOAD, PEAK_COLOUR
 from chain_impact.pictures.drawing.dark_ground import TEXT_OUTLINE
 from chain_impact.pictures.drawing.distinct_curves import plot_curves
 from chain_impact.pictures.drawing.legends import pack_rows
-from chain_impact.pictures.drawing.style import INK, LOAD, PEAK_COLOUR, force_text, give_ticks, load_unit
 from chain_impact.pictures.film.arrow_scale import FORCE
 from chain_impact.pictures.film.scale_bar import NUMBER_SIZE
 from chain_impact.pictures.motion.motion import colour_of_time

@@ -16,17 +16,17 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Polygon
 
-from chain_impact.pictures.drawing.dark_ground import Ground
-from chain_impact.pictures.drawing.style import (
+from chain_impact.pictures.drawing.axis_numbers import force_text
+from chain_impact.pictures.drawing.colours import (
     INK,
     LOAD,
     OUTSIDE_COLOUR,
     PALE_GREY,
     PEAK_COLOUR,
-    STYLE,
     TIME_COLOURS,
-    force_text,
 )
+from chain_impact.pictures.drawing.dark_ground import Ground
+from chain_impact.pictures.drawing.style import STYLE
 from chain_impact.pictures.film.arrow_numbers import Number, without_equals, write_numbers
 from chain_impact.pictures.film.arrow_scale import FORCE, TITLE_MIDDLE, ArrowScale, arrow_between, draw_key
 from chain_impact.pictures.film.caption import Caption

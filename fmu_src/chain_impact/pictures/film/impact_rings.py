@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from chain_impact.pictures.drawing.style import INK, PEAK_COLOUR
+from chain_impact.pictures.drawing.colours import INK, PEAK_COLOUR
 from chain_impact.pictures.motion.impact_rings import PEAK_WIDTH, RING_SIZE
 from chain_impact.pictures.texts.headline import marked_peaks
 from chain_impact.recording.recording import Recording

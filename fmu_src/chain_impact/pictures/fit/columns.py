@@ -17,9 +17,8 @@ from matplotlib.ticker import MaxNLocator, MultipleLocator
 from matplotlib.transforms import ScaledTranslation
 
 from chain_impact.pictures.curve_texts import axis_unit
-from chain_impact.pictures.drawing.headings import MAY_BE_LOW, name_above
-from chain_impact.pictures.drawing.legends import legend_above
-from chain_impact.pictures.drawing.style import (
+from chain_impact.pictures.drawing.axis_numbers import give_ticks
+from chain_impact.pictures.drawing.colours import (
     BLACK,
     BLUE,
     IMPACT_LINE,
@@ -27,8 +26,9 @@ from chain_impact.pictures.drawing.style import (
     PALETTE,
     VERMILLION,
     faint_colour,
-    give_ticks,
 )
+from chain_impact.pictures.drawing.headings import MAY_BE_LOW, name_above
+from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.fit.contents import FittedColumn, FittedSeries
 from chain_impact.pictures.over_time.time_axis import name_time
 from chain_impact.scene.texts.unit_text import bracketed_unit

@@ -13,17 +13,10 @@ from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from matplotlib.transforms import blended_transform_factory
 
+from chain_impact.pictures.drawing.colours import GREY, INK, PALE_GREY, VERMILLION
+from chain_impact.pictures.drawing.head_and_foot import LEFT_MARGIN, foot_of, reserve_margins
 from chain_impact.pictures.drawing.legends import fit_legends, legend_above
-from chain_impact.pictures.drawing.style import (
-    GREY,
-    INK,
-    LEFT_MARGIN,
-    PALE_GREY,
-    VERMILLION,
-    foot_of,
-    is_narrow,
-    reserve_margins,
-)
+from chain_impact.pictures.drawing.style import is_narrow
 from chain_impact.pictures.fit.contents import FittedParameter
 from chain_impact.text import number_text
 

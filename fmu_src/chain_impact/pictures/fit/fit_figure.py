@@ -10,9 +10,11 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
+from chain_impact.pictures.drawing.colours import PEAK_COLOUR
 from chain_impact.pictures.drawing.figures import settle
+from chain_impact.pictures.drawing.head_and_foot import write_headline
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
-from chain_impact.pictures.drawing.style import PEAK_COLOUR, drawing_style, is_narrow, write_headline
+from chain_impact.pictures.drawing.style import drawing_style, is_narrow
 from chain_impact.pictures.fit.columns import USUAL_RESIDUAL, draw_column
 from chain_impact.pictures.fit.contents import FitContents, FittedColumn
 from chain_impact.pictures.fit.estimates import (

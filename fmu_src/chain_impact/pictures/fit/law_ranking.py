@@ -9,9 +9,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from chain_impact.pictures.bars import Bars, draw_bars
+from chain_impact.pictures.drawing.colours import GREY, INK, PALETTE
 from chain_impact.pictures.drawing.figures import settle
+from chain_impact.pictures.drawing.head_and_foot import write_headline
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
-from chain_impact.pictures.drawing.style import GREY, INK, PALETTE, drawing_style, is_narrow, write_headline
+from chain_impact.pictures.drawing.style import drawing_style, is_narrow
 from chain_impact.pictures.fit.contents import RankedLaw
 from chain_impact.text import number_text
 

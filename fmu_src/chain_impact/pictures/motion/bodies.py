@@ -9,7 +9,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
 from matplotlib.patches import Circle, Polygon
 
-from chain_impact.pictures.drawing.style import INK
+from chain_impact.pictures.drawing.colours import INK
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.display.bodies import placed_corners
 

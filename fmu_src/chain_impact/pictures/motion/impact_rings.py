@@ -10,8 +10,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from chain_impact.kernel.record.constants import STICKS
+from chain_impact.pictures.drawing.colours import INK, PEAK_COLOUR
 from chain_impact.pictures.drawing.labels import Label, place_labels
-from chain_impact.pictures.drawing.style import INK, PEAK_COLOUR
 from chain_impact.pictures.drawing.used_pixels import UsedPixels
 from chain_impact.pictures.motion.joint_forces import name_loads
 from chain_impact.pictures.motion.view import is_flat

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from chain_impact.pictures.drawing.axis_numbers import force_text
+from chain_impact.pictures.drawing.colours import LOAD
 from chain_impact.pictures.drawing.labels import Label, place_labels
-from chain_impact.pictures.drawing.style import LOAD, force_text
 from chain_impact.pictures.drawing.used_pixels import UsedPixels
 from chain_impact.pictures.motion.view import View, view_of
 from chain_impact.recording.joint_peaks import joint_peaks

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from chain_impact.pictures.drawing.colours import BLUE, INK, OUTSIDE_COLOUR
 from chain_impact.pictures.drawing.legends import legend_above
-from chain_impact.pictures.drawing.style import BLUE, INK, OUTSIDE_COLOUR
 from chain_impact.pictures.motion.impact_rings import RING_SIZE, plot_rings
 from chain_impact.pictures.motion.view import PARALLEL_COMPONENT, view_of
 from chain_impact.pictures.motion.walls import has_motion

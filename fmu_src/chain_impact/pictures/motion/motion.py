@@ -12,16 +12,10 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
 
+from chain_impact.pictures.drawing.axis_numbers import force_text, give_ticks, scale_numbers
+from chain_impact.pictures.drawing.colours import INK, PEAK_COLOUR, TIME_COLOURS
 from chain_impact.pictures.drawing.legends import legend_above
-from chain_impact.pictures.drawing.style import (
-    INK,
-    PEAK_COLOUR,
-    TIME_COLOURS,
-    force_text,
-    give_ticks,
-    is_narrow,
-    scale_numbers,
-)
+from chain_impact.pictures.drawing.style import is_narrow
 from chain_impact.pictures.motion.bodies import draw_bodies, draw_rail
 from chain_impact.pictures.motion.impact_rings import draw_rings, draw_sticking, rows_by_speed
 from chain_impact.pictures.motion.joint_forces import draw_loads

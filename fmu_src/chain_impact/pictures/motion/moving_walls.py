@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
-from chain_impact.pictures.drawing.style import INK
+from chain_impact.pictures.drawing.colours import INK
 from chain_impact.pictures.motion.view import View
 from chain_impact.pictures.motion.walls import has_motion, moving_walls, wall_line
 from chain_impact.recording.recording import Recording

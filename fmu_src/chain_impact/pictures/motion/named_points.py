@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 
+from chain_impact.pictures.drawing.colours import TIME_COLOURS
 from chain_impact.pictures.drawing.labels import Label, place_labels
-from chain_impact.pictures.drawing.style import TIME_COLOURS
 from chain_impact.pictures.drawing.used_pixels import UsedPixels
 from chain_impact.pictures.texts.point_names import POINT, shortened_name
 from chain_impact.recording.recording import Recording

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
-from chain_impact.pictures.drawing.style import INK
+from chain_impact.pictures.drawing.colours import INK
 from chain_impact.pictures.motion.impact_rings import rows_by_speed
 from chain_impact.pictures.motion.view import seen_size
 from chain_impact.pictures.texts.headline import marked_peaks

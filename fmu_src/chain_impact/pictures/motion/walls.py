@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.patches import Polygon
 
-from chain_impact.pictures.drawing.style import INK, OUTSIDE_COLOUR, SHORT_TIMES_COLOUR
+from chain_impact.pictures.drawing.colours import INK, OUTSIDE_COLOUR, SHORT_TIMES_COLOUR
 from chain_impact.pictures.motion.view import View, view_of, wall_extremes
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import free_region_within, pin_lines

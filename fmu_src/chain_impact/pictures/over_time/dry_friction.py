@@ -10,8 +10,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from chain_impact.kernel.record.constants import STICKS
+from chain_impact.pictures.drawing.colours import GREY, INK
 from chain_impact.pictures.drawing.legends import legend_above
-from chain_impact.pictures.drawing.style import GREY, INK, is_narrow
+from chain_impact.pictures.drawing.style import is_narrow
 from chain_impact.pictures.over_time.rests import shade_rests, shown_time
 from chain_impact.pictures.texts.point_names import POINT, number_of, shortened_name
 from chain_impact.recording.recording import Recording

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from chain_impact.pictures.drawing.colours import BLACK, BLUE, BROWN, GREEN, PURPLE, VIOLET
 from chain_impact.pictures.drawing.dark_ground import OCHRE
 from chain_impact.pictures.drawing.distinct_curves import MOST_GREY, SAME_CURVE, draw_band, plot_curves
 from chain_impact.pictures.drawing.legends import legend_above
-from chain_impact.pictures.drawing.style import BLACK, BLUE, BROWN, GREEN, PURPLE, VIOLET
 from chain_impact.pictures.over_time.time_axis import has_impact_key, show_all_time, tick_impacts
 from chain_impact.recording.recording import Recording
 

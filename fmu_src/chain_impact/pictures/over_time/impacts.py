@@ -15,17 +15,11 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from matplotlib.transforms import ScaledTranslation
 
+from chain_impact.pictures.drawing.axis_numbers import load_unit, scale_numbers
+from chain_impact.pictures.drawing.colours import GREY, INK, PEAK_COLOUR
 from chain_impact.pictures.drawing.labels import Label
 from chain_impact.pictures.drawing.legends import legend_above
-from chain_impact.pictures.drawing.style import (
-    COLUMN,
-    GREY,
-    INK,
-    PEAK_COLOUR,
-    is_narrow,
-    load_unit,
-    scale_numbers,
-)
+from chain_impact.pictures.drawing.style import COLUMN, is_narrow
 from chain_impact.pictures.drawing.used_pixels import UsedPixels
 from chain_impact.pictures.over_time.dry_friction import MOST_ROWS, rubbing_locations
 from chain_impact.pictures.over_time.time_axis import show_all_time

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from matplotlib.axes import Axes
 
-from chain_impact.pictures.drawing.style import SHADE, faint_colour
+from chain_impact.pictures.drawing.colours import SHADE, faint_colour
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.rest import rest_spans, rest_word
 

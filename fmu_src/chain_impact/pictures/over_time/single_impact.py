@@ -7,9 +7,11 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from chain_impact.pictures.drawing.axis_numbers import force_text, give_ticks, load_unit
+from chain_impact.pictures.drawing.colours import INK, PEAK_COLOUR
 from chain_impact.pictures.drawing.labels import Label, place_labels
 from chain_impact.pictures.drawing.legends import legend_above
-from chain_impact.pictures.drawing.style import COLUMN, INK, PEAK_COLOUR, force_text, give_ticks, load_unit
+from chain_impact.pictures.drawing.style import COLUMN
 from chain_impact.pictures.drawing.used_pixels import UsedPixels
 from chain_impact.pictures.over_time.impacts import HEADROOM
 from chain_impact.pictures.texts.headline import largest_peaks

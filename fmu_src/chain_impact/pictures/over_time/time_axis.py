@@ -10,15 +10,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from matplotlib.transforms import Bbox
 
+from chain_impact.pictures.drawing.axis_numbers import give_ticks, scale_numbers
+from chain_impact.pictures.drawing.colours import IMPACT_LINE, SHADE, TIME_COLOURS, faint_colour
 from chain_impact.pictures.drawing.legends import KEY
-from chain_impact.pictures.drawing.style import (
-    IMPACT_LINE,
-    SHADE,
-    TIME_COLOURS,
-    faint_colour,
-    give_ticks,
-    scale_numbers,
-)
 from chain_impact.pictures.over_time.rests import shade_rests, shown_time
 from chain_impact.pictures.texts.headline import time_unit
 from chain_impact.recording.recording import Recording

@@ -18,9 +18,10 @@ from matplotlib.colors import BoundaryNorm, Colormap, LogNorm, Normalize
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
 
 from chain_impact.map_colours import WIDE_COLOURS, colour_ends, count_bins, value_ratio
+from chain_impact.pictures.drawing.axis_numbers import TICK_STEPS
 from chain_impact.pictures.drawing.headings import name_above
 from chain_impact.pictures.drawing.shared_names import grid_of
-from chain_impact.pictures.drawing.style import TICK_STEPS, is_narrow
+from chain_impact.pictures.drawing.style import is_narrow
 from chain_impact.pictures.sweep.quantities import Quantity
 from chain_impact.text import number_text
 

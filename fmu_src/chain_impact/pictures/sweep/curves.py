@@ -11,11 +11,12 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from chain_impact.map_colours import value_ratio
+from chain_impact.pictures.drawing.axis_numbers import COUNT_STEPS, LEAST_TICKS, give_ticks
+from chain_impact.pictures.drawing.colours import BLACK, PALETTE
 from chain_impact.pictures.drawing.distinct_curves import merged_dashes
 from chain_impact.pictures.drawing.headings import name_above
 from chain_impact.pictures.drawing.law_looks import law_look
 from chain_impact.pictures.drawing.legends import legend_at_head
-from chain_impact.pictures.drawing.style import BLACK, COUNT_STEPS, LEAST_TICKS, PALETTE, give_ticks
 from chain_impact.pictures.sweep.colour_bars import WIDE_RANGE, number_few_decades
 from chain_impact.pictures.sweep.curve_marks import (
     MARK_SIZE,

@@ -12,9 +12,10 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from chain_impact.map_colours import WIDE_COLOURS, value_ratio
+from chain_impact.pictures.drawing.axis_numbers import COUNT_STEPS, give_ticks
+from chain_impact.pictures.drawing.colours import BLUE, INK
 from chain_impact.pictures.drawing.headings import name_above
 from chain_impact.pictures.drawing.legends import legend_above, legend_at_foot
-from chain_impact.pictures.drawing.style import BLUE, COUNT_STEPS, INK, give_ticks
 from chain_impact.pictures.sweep.colour_bars import WIDE_RANGE, number_few_decades
 from chain_impact.pictures.sweep.curves import MANY_SAMPLES, RING, SMALL_DOT, mark_at_foot
 from chain_impact.pictures.sweep.effects import DEGREES, TRENDING, effects_on

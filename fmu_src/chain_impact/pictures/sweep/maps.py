@@ -15,10 +15,12 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
+from chain_impact.pictures.drawing.axis_numbers import LEAST_TICKS, raise_exponents
+from chain_impact.pictures.drawing.colours import INK
 from chain_impact.pictures.drawing.dark_ground import COLOURED_GROUND
 from chain_impact.pictures.drawing.legends import legend_at_foot
 from chain_impact.pictures.drawing.shared_names import name_around
-from chain_impact.pictures.drawing.style import INK, LEAST_TICKS, is_narrow, raise_exponents
+from chain_impact.pictures.drawing.style import is_narrow
 from chain_impact.pictures.sweep.colour_bars import (
     FAILED_COLOUR,
     add_bar,

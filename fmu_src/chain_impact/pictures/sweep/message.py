@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from chain_impact.pictures.drawing.style import raise_exponents
+from chain_impact.pictures.drawing.axis_numbers import raise_exponents
 from chain_impact.pictures.sweep.curves import course_text
 from chain_impact.pictures.sweep.effects import TRENDING, effects_on
 from chain_impact.pictures.sweep.histograms import rank_correlation

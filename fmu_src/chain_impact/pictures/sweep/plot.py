@@ -18,19 +18,14 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from chain_impact.pictures.bars import draw_row_lines
+from chain_impact.pictures.drawing.axis_numbers import COUNT_STEPS, give_ticks, raise_exponents
+from chain_impact.pictures.drawing.colours import INK
 from chain_impact.pictures.drawing.figures import draw_figure, settle
+from chain_impact.pictures.drawing.head_and_foot import write_headline
 from chain_impact.pictures.drawing.headings import name_above
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.sizes import Size, figure_size
-from chain_impact.pictures.drawing.style import (
-    COUNT_STEPS,
-    INK,
-    drawing_style,
-    give_ticks,
-    is_narrow,
-    raise_exponents,
-    write_headline,
-)
+from chain_impact.pictures.drawing.style import drawing_style, is_narrow
 from chain_impact.pictures.sweep.curves import (
     FOOT,
     LINE_COLOURS,

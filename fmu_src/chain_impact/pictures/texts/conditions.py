@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
+from chain_impact.pictures.drawing.axis_numbers import raise_exponents
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
-from chain_impact.pictures.drawing.style import raise_exponents
 from chain_impact.recording.contact_times import has_impulses, law_at
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.keys.tables import Solver

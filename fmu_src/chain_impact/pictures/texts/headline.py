@@ -8,17 +8,12 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
+from chain_impact.pictures.drawing.axis_numbers import force_text
+from chain_impact.pictures.drawing.colours import INK, LOAD, PEAK_COLOUR
 from chain_impact.pictures.drawing.distinct_curves import turning_rows
+from chain_impact.pictures.drawing.head_and_foot import write_foot, write_headline
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
-from chain_impact.pictures.drawing.style import (
-    INK,
-    LOAD,
-    PEAK_COLOUR,
-    force_text,
-    is_narrow,
-    write_foot,
-    write_headline,
-)
+from chain_impact.pictures.drawing.style import is_narrow
 from chain_impact.pictures.texts.conditions import conditions
 from chain_impact.pictures.texts.point_names import brief_hit, what_touches
 from chain_impact.recording.contact_times import acts_by_impulses, has_impulses, law_at, peak_time

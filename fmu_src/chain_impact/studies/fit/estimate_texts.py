@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from chain_impact.pictures.drawing.style import raise_exponents
+from chain_impact.pictures.drawing.axis_numbers import raise_exponents
 from chain_impact.scene.texts.unit_text import scene_unit, with_unit
 from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.studies.fit.parameters import Parameter
