@@ -43,7 +43,9 @@ def draw(path, time, columns):
     import numpy as np
     from matplotlib.figure import Figure
 
-    from chain_impact.pictures.drawing.style import BLUE, DPI, INK, PEAK_COLOUR, STYLE, VIOLET, write_headline
+    from chain_impact.pictures.drawing.colours import BLUE, INK, PEAK_COLOUR, VIOLET
+    from chain_impact.pictures.drawing.head_and_foot import write_headline
+    from chain_impact.pictures.drawing.style import DPI, STYLE
 
     forces = np.hypot(columns["joint[1].force.x"], columns["joint[1].force.y"])
     # a new largest force lies within a communication step, at whose end it is drawn

@@ -43,8 +43,10 @@ def draw(path, time, columns):
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
+    from chain_impact.pictures.drawing.colours import BLUE, GREEN, INK, VERMILLION
     from chain_impact.pictures.drawing.dark_ground import ORANGE
-    from chain_impact.pictures.drawing.style import BLUE, DPI, GREEN, INK, STYLE, VERMILLION, write_headline
+    from chain_impact.pictures.drawing.head_and_foot import write_headline
+    from chain_impact.pictures.drawing.style import DPI, STYLE
 
     tilts = [math.degrees(angle) - 90.0 for angle in columns["link[1].angle"]]
     pushed = [t for t, push in zip(time, columns["tip.force.x"], strict=True) if push]

@@ -39,16 +39,9 @@ def draw(path, columns, parameters):
 
     from chain_impact import Recording
     from chain_impact.pictures import draw_chain, draw_walls
-    from chain_impact.pictures.drawing.style import (
-        BLUE,
-        DPI,
-        GREEN,
-        INK,
-        PEAK_COLOUR,
-        STYLE,
-        TIME_COLOURS,
-        write_headline,
-    )
+    from chain_impact.pictures.drawing.colours import BLUE, GREEN, INK, PEAK_COLOUR, TIME_COLOURS
+    from chain_impact.pictures.drawing.head_and_foot import write_headline
+    from chain_impact.pictures.drawing.style import DPI, STYLE
     from chain_impact.scene.half_planes import half_planes
 
     time, force = columns["time"], columns["contact[2].x_max.force"]

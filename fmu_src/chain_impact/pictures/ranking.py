@@ -13,7 +13,7 @@ from chain_impact.recording.summary import digits
 from chain_impact.scene.texts.plain_names import plain_name
 from chain_impact.scene.texts.unit_text import bracketed_unit, with_unit
 from chain_impact.study_data.ranking.effects import (
-    MOST_DRAWN,
+    MOST_RANKED,
     Effect,
     best_known,
     blocks_to_draw,
@@ -57,7 +57,7 @@ def draw_ranking(figure: Figure, ranking: RankedEffects) -> None:
     sizes = list(map(min, reach, longest_bars))
     if sizes and max(sizes) <= MOST_RATIO * min(sizes):  # one unit, and so one scale
         sizes = [max(sizes)] * len(sizes)
-    omitted_count = max(len(ranking.effects) - MOST_DRAWN, 0)
+    omitted_count = max(len(ranking.effects) - MOST_RANKED, 0)
     parts = [
         ranking.where,
         f"{omitted_count} other effects are left out" if omitted_count else "",

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from chain_impact.recording.sensitivity import is_different
 from chain_impact.scene.texts.unit_text import with_unit
 
-MOST_DRAWN = 16  # the largest number of effects that the picture of a ranking draws and that runs check
+MOST_RANKED = 16  # the largest number of effects that the picture of a ranking draws and that runs check
 
 
 class Effect(NamedTuple):
@@ -58,13 +58,13 @@ def split_by_step(effects: Sequence[Effect]) -> tuple[list[Effect], list[Effect]
 
 
 def blocks_to_draw(effects: Sequence[Effect]) -> list[list[Effect]]:
-    """Return the first effects, at most MOST_DRAWN, as ``split_by_step``; an empty list is left out.
+    """Return the first effects, at most MOST_RANKED, as ``split_by_step``; an empty list is left out.
 
-    The list of fixed steps has at most a quarter of MOST_DRAWN effects, or more if there are few of 1 %.
+    The list of fixed steps has at most a quarter of MOST_RANKED effects, or more if there are few of 1 %.
     """
     of_value, at_zero = split_by_step(effects)
-    at_zero = at_zero[: max(MOST_DRAWN - len(of_value), MOST_DRAWN // 4)]
-    return list(filter(None, (of_value[: MOST_DRAWN - len(at_zero)], at_zero)))
+    at_zero = at_zero[: max(MOST_RANKED - len(of_value), MOST_RANKED // 4)]
+    return list(filter(None, (of_value[: MOST_RANKED - len(at_zero)], at_zero)))
 
 
 def only_runs_hold(effects: Sequence[Effect]) -> bool:
