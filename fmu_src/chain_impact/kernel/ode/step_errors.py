@@ -82,6 +82,8 @@ def raise_scales(d, y, scale, contact_count):
         round_off = round_off_length * (POSITION_ROUND_OFF_AT_REST if is_at_rest else POSITION_ROUND_OFF)
         scale[sundman_u_at(n) + k] = max(scale[sundman_u_at(n) + k], round_off)
         speed = max(speed, frequency * round_off)
+    if speed <= longest_link:  # by ``set_scales``, no scale of a speed is smaller
+        return
     for j in range(velocity_at(n), dissipated_at(n)):
         scale[j] = max(scale[j], speed * (1.0 if j < omega_at(n) else 1.0 / longest_link))
 
