@@ -12,11 +12,11 @@ from chain_impact.scene.scene import load_scene, scene_keys
 from chain_impact.scene.texts.input_table import INPUT_KINDS
 from chain_impact.scene.texts.names import AXES
 from chain_impact.scene.texts.unit_text import unit_text
+from chain_impact.variables.description_texts import GENERAL, LOSSES, STOP_TEXTS
 from chain_impact.variables.kind import SLOPED_WALL, VariableKind
-from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.parameters import METHODS, PARAMETERS
-from chain_impact.variables.texts import GENERAL, LOSSES, STOP_TEXTS
+from chain_impact.variables.scene_variables import choices_of
 from docs.tools.markdown_text import code, short_description
 
 

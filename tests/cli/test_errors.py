@@ -1,6 +1,6 @@
 """Refusals of the command line, each with one line: wrong arguments, values, places, scenes and FMUs."""
 
-# Tests: cli/named_options.py, cli/options.py, cli/source.py
+# Tests: cli/options_in_errors.py, cli/options.py, cli/source.py
 
 import errno
 import os
@@ -16,7 +16,7 @@ from matplotlib import pyplot
 
 from chain_impact import model_names
 from chain_impact.cli import parser
-from chain_impact.cli.named_options import typed_options, with_option
+from chain_impact.cli.options_in_errors import typed_options, with_option
 from chain_impact.extras import MissingExtraError
 from chain_impact.scene.errors import RefusalError, SceneError
 

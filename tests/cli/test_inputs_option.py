@@ -1,6 +1,6 @@
 """``--inputs FILE``: a table drives scenes and FMUs, on the command line and in Python."""
 
-# Tests: cli/source.py, scene/signal_inputs.py
+# Tests: cli/source.py, scene/signals.py
 
 import numpy as np
 import pytest

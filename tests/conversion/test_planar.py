@@ -1,6 +1,6 @@
 """Conversion of a spatial robot into a planar chain, without the packages that read files."""
 
-# Tests: conversion/flat.py, conversion/joints.py, conversion/proposals.py, conversion/robot.py
+# Tests: conversion/plane.py, conversion/joints.py, conversion/proposals.py, conversion/robot.py
 
 import math
 from xml.etree import ElementTree

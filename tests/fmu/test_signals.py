@@ -1,6 +1,6 @@
 """FMUs of scenes with signals: such an FMU contains its tables and needs no external input."""
 
-# Tests: fmu/run.py, scene/asked_inputs.py, scene/signal_inputs.py
+# Tests: fmu/run.py, scene/asked_inputs.py, scene/signals.py
 
 import zipfile
 

@@ -1,6 +1,6 @@
 """Scenes that the page reads itself, from opened files: the record is that of Python."""
 
-# Tests: pages/kit.py, pages/signals.py, pages/browser/scene/record.js
+# Tests: pages/scene_tables.py, pages/signals.py, pages/browser/scene/record.js
 # Tests: pages/browser/base/range.js, pages/browser/scene/geometry.js, pages/browser/scene/signals.js
 
 import re

@@ -4,8 +4,8 @@ The comparisons allow for a few last digits: a compiler may join a product and a
 libraries round sines differently.
 """
 
-# Tests: pages/drawn.py, pages/shared.py, pictures/film/arrow_scale.py, pictures/film/film.py
-# Tests: scene/display/bodies.py
+# Tests: pages/drawn_outputs.py, pages/shared.py, pictures/film/arrow_scale.py, pictures/film/film.py
+# Tests: scene/display/outlines.py
 # Tests: pages/browser/base/map_values.js, pages/browser/base/similar_names.js
 # Tests: pages/browser/drawing/arrow_scale.js, pages/browser/explore/map/map_colours.js
 # Tests: pages/browser/recording/pacing.js, pages/browser/recording/view.js
@@ -27,7 +27,7 @@ import chain_impact
 from chain_impact import load_scene, model_names, simulate
 from chain_impact.map_colours import WIDE_COLOURS, colour_ends, count_bins, value_ratio
 from chain_impact.pages.assembly import browser_text
-from chain_impact.pages.drawn import GROUPS, drawn_entries
+from chain_impact.pages.drawn_outputs import GROUPS, drawn_entries
 from chain_impact.pages.recorded import data, free_sides, impacts
 from chain_impact.pictures.drawing.colours import LOAD
 from chain_impact.pictures.film.arrow_scale import ArrowScale
@@ -36,7 +36,7 @@ from chain_impact.pictures.over_time.energies import ENERGIES, without_gap
 from chain_impact.recording.joint_stops import ranges_of
 from chain_impact.recording.pacing import frame_rate, frame_times, rate_text, slow_spans
 from chain_impact.recording.view import film_view, free_region_within, pin_lines, positions_of, radius_of
-from chain_impact.scene.display.bodies import outlines_from, rail_from
+from chain_impact.scene.display.outlines import outlines_from, rail_from
 from chain_impact.scene.half_planes import half_planes
 from chain_impact.scene.texts.angles import radians_of
 from chain_impact.scene.texts.similar_names import proposed_name

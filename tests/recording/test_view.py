@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact.recording.view import PIN_HEIGHT, WALL_DISTANCE, pin_lines, view_corners
-from chain_impact.scene.display.bodies import Rail
+from chain_impact.scene.display.outlines import Rail
 from chain_impact.scene.half_planes import half_planes
 
 SQUARE = np.array([[[0.0, 0.0], [2.0, 2.0]], [[0.0, 2.0], [2.0, 0.0]]])

@@ -1,6 +1,6 @@
 """Results by name, and their texts; test_tables.py tests the tables."""
 
-# Tests: results/scene_recording.py, variables/hints.py
+# Tests: results/scene_recording.py, variables/output_hints.py
 
 import html
 import math

@@ -9,7 +9,7 @@ from chain_impact.pictures.over_time.impacts import marks_of, point_groups
 from chain_impact.recording.csv_file import read_csv
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import element_label
-from chain_impact.scene.display.bodies import outline, outlines_from, placed_corners
+from chain_impact.scene.display.outlines import outline, outlines_from, placed_corners
 from chain_impact.scene.scene import scene_from_dict
 from tests.helpers.scenes import bodies
 from tests.tiers import needs_interop

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact.simulation.approximation import Approximator, NotSmoothError
-from chain_impact.simulation.pieces import joined_points
+from chain_impact.simulation.polynomial_pieces import joined_points
 
 FUNCTIONS = {  # function, allowed number of pieces, times at which the function is not smooth
     "sine": (lambda t: 3.0 * math.sin(9.0 * t) + 1.0, 20, ()),

@@ -1,6 +1,7 @@
 """The rows of the table of variables: their references exist, and their statements hold for all variables."""
 
-# Tests: variables/key_kinds.py, variables/nominal_values.py, variables/parameters.py, variables/texts.py
+# Tests: variables/key_kinds.py, variables/nominal_values.py, variables/parameters.py
+# Tests: variables/description_texts.py
 
 import pytest
 
@@ -9,13 +10,13 @@ from chain_impact.kernel.record.instance import output_dtype
 from chain_impact.scene.facts import TRUE_FACT
 from chain_impact.scene.texts.input_table import INPUT_KINDS
 from chain_impact.scene.texts.names import is_like
-from chain_impact.variables.listing import absent_hint
+from chain_impact.variables.description_texts import owner_texts, scene_texts
 from chain_impact.variables.nominal_values import nominal_values
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.parameters import PARAMETERS
 from chain_impact.variables.prepared import PreparedScene
+from chain_impact.variables.scene_variables import absent_hint
 from chain_impact.variables.structure import structure_of
-from chain_impact.variables.texts import owner_texts, scene_texts
 from tests.variables.everything import CART, EVERYTHING
 
 KINDS = [kind for block in (*PARAMETERS, *INPUTS, *OUTPUTS) for kind in block.kinds]

@@ -9,11 +9,11 @@ from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.simulate import simulate
-from chain_impact.variables import listing
+from chain_impact.variables import scene_variables
 from chain_impact.variables.impact_units import IMPACT_UNITS
-from chain_impact.variables.listing import outputs_of_scene
 from chain_impact.variables.peaks import PEAKS
 from chain_impact.variables.prepared import PreparedScene
+from chain_impact.variables.scene_variables import outputs_of_scene
 from chain_impact.variables.selection import differentiable_named
 from chain_impact.variables.variable import Variable
 
@@ -101,7 +101,7 @@ SHAPES |= {"contact.points": [0, 4], "inputs.tip_force": True, "outputs.impacts"
 def test_kept_parts_of_a_scene_are_not_taken_for_another_one(name, value):
     box_outputs, changed_scene = outputs_of_scene(BOX), BOX.with_values({name: value})
     changed_outputs = outputs_of_scene(changed_scene)
-    listing.outputs_of.cache_clear()
+    scene_variables.outputs_of.cache_clear()
     assert changed_outputs == outputs_of_scene(changed_scene)
     assert changed_outputs != box_outputs
 

@@ -19,8 +19,8 @@ from chain_impact.scene.files.models import model_names
 from chain_impact.scene.scene import with_values
 from chain_impact.variables import prepared as prepared_module
 from chain_impact.variables.indices import word_index
-from chain_impact.variables.listing import value_at_path
 from chain_impact.variables.prepared import PreparedScene
+from chain_impact.variables.scene_variables import value_at_path
 from chain_impact.variables.selection import columns_named, differentiable_named
 
 BUFFER = 64 * 1024  # bytes, the upper limit for an instance of four links in a box

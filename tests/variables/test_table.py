@@ -1,6 +1,6 @@
 """The table of FMU variables: the designed names, with their words of the record and their features."""
 
-# Tests: variables/listing.py
+# Tests: variables/scene_variables.py
 
 import re
 from collections import Counter
@@ -14,7 +14,7 @@ from chain_impact.kernel.record.instance import output_dtype
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.candidates import candidates_of
 from chain_impact.scene.scene import with_values
-from chain_impact.scene.signal_inputs import signal_inputs_of
+from chain_impact.scene.signals import signal_inputs_of
 from chain_impact.variables.indices import word_index
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.units import UNITS

@@ -18,8 +18,8 @@ from types import MappingProxyType
 from typing import Any, NoReturn
 
 from chain_impact.cli import completion
-from chain_impact.cli.named_options import typed_options, with_option
 from chain_impact.cli.options import UsageError, drawing_in_style, similar_file_hint
+from chain_impact.cli.options_in_errors import typed_options, with_option
 from chain_impact.cli.printing import complain, out, say
 from chain_impact.compilation.errors import BuildError
 from chain_impact.console import prepare_console

@@ -19,14 +19,14 @@ from chain_impact.conversion.differences import (
     difference_line,
     difference_lines,
 )
-from chain_impact.conversion.flat import (
+from chain_impact.conversion.joints import ChosenJoints, MovingJoint, NoChainError, ancestors, chosen_joints
+from chain_impact.conversion.plane import (
     ZERO_LENGTH,
     MotionPlane,
     motion_plane_of,
     round_numbers,
     rounded_to_zero,
 )
-from chain_impact.conversion.joints import ChosenJoints, MovingJoint, NoChainError, ancestors, chosen_joints
 from chain_impact.conversion.robot import JOINT_KEYS, Body, Joint, Robot, scene_values
 from chain_impact.conversion.walls import WallConversion
 from chain_impact.scene.errors import UnknownNameError

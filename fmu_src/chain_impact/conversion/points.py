@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from chain_impact.conversion.flat import ZERO_LENGTH, MotionPlane, rounded_to_zero
 from chain_impact.conversion.joints import PARALLEL_ANGLE
+from chain_impact.conversion.plane import ZERO_LENGTH, MotionPlane, rounded_to_zero
 from chain_impact.conversion.robot import LinkShape
 
 OUTLINED_SHAPES = ("sphere", "capsule", "box", "cylinder")

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from chain_impact.conversion.differences import Difference, SceneAspect
-from chain_impact.conversion.flat import ZERO_LENGTH, MotionPlane
 from chain_impact.conversion.joints import PARALLEL_ANGLE, ChosenJoints, ancestors
+from chain_impact.conversion.plane import ZERO_LENGTH, MotionPlane
 from chain_impact.conversion.points import (
     OUTLINED_SHAPES,
     Ball,

@@ -21,7 +21,7 @@ from chain_impact.pages.assembly import (
 )
 from chain_impact.pages.encoding import base64_text
 from chain_impact.pages.inline import InlinePage
-from chain_impact.pages.kit import page_kit
+from chain_impact.pages.scene_tables import page_kit
 from chain_impact.scene.files.models import model_names
 from chain_impact.scene.scene import Scene, SceneSource, load_scene, scene_of, scene_to_dict
 

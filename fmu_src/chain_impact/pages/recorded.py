@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.pages.assembly import assemble_page, browser_text, program, script_data, styles
-from chain_impact.pages.drawn import IMPACT_QUANTITIES, drawn_entries
+from chain_impact.pages.drawn_outputs import IMPACT_QUANTITIES, drawn_entries
 from chain_impact.pages.encoding import base64_text
 from chain_impact.pages.shared import FINEST
 from chain_impact.recording.joint_stops import JointRange

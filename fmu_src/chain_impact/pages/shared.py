@@ -1,9 +1,9 @@
 """Constants of Python modules that pages need, too: numbers, names and words.
 
 The program of each page begins with these constants, in the constant ``SHARED``. The constants do not depend
-on a scene; kit.py has the data on scenes, which only the page that simulates needs. A page computes some
-things again that Python computes for pictures and films, because the reader of the page changes the scene.
-For these things, tests/pages/test_twins.py compares the values of both languages.
+on a scene; scene_tables.py has the data on scenes, which only the page that simulates needs. A page computes
+some things again that Python computes for pictures and films, because the reader of the page changes the
+scene. For these things, tests/pages/test_twins.py compares the values of both languages.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ from chain_impact.kernel.record.constants import NOT_GIVEN, PARALLEL_COSINE, WAL
 from chain_impact.kernel.record.counts import COUNTS
 from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STARTS_INSIDE_WALL, STATUS_TEXT
-from chain_impact.pages.drawn import GROUPS, IMPACT_QUANTITIES
+from chain_impact.pages.drawn_outputs import GROUPS, IMPACT_QUANTITIES
 from chain_impact.recording import curves, joint_stops, pacing, view
 from chain_impact.scene import errors
 from chain_impact.scene.checks.signal_checks import REST_TOLERANCE
-from chain_impact.scene.display import bodies
+from chain_impact.scene.display import outlines
 from chain_impact.scene.keys import chain_tables
 from chain_impact.scene.keys.signal_tables import FORMS, NUMBERS, SHAPES
 from chain_impact.scene.keys.tables import STEP_ROUND_OFF
@@ -45,7 +45,7 @@ from chain_impact.scene.rules.refusals import (
     RefusalRule,
 )
 from chain_impact.scene.rules.rule_language import tree
-from chain_impact.scene.signal_inputs import TARGET_RATE
+from chain_impact.scene.signals import TARGET_RATE
 from chain_impact.scene.texts import angles, names, similar_names, unit_text
 from chain_impact.scene.texts.laws import law_group, law_text
 from chain_impact.variables.impact_units import IMPACT_UNITS, STOP_UNITS
@@ -67,7 +67,7 @@ CONSTANTS = {
         " PIN_LINES ROOM_DISTANCE SAME_LENGTH WALL_DISTANCE",
     ),
     "jointStops": (joint_stops, "OPEN_ANGLE RANGE_POINTS RANGE_RADIUS RANGE_TICK"),
-    "bodies": (bodies, "CARRIAGE CIRCLE_CORNERS FREE_END STOP_MARK"),
+    "bodies": (outlines, "CARRIAGE CIRCLE_CORNERS FREE_END STOP_MARK"),
     "curves": (
         curves,
         "CLOSE_BEFORE EARLIEST_SHARE EARLY_TIMES LONG_CONTACT MOST_REFINED_IMPACTS TIMES_WITHIN_IMPACT",

@@ -9,8 +9,8 @@ import numpy as np
 
 from chain_impact.pages.encoding import base64_text
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.signal_inputs import signal_inputs_of
 from chain_impact.scene.signal_polynomials import table_polynomial
+from chain_impact.scene.signals import signal_inputs_of
 
 
 def signal_table_data(scene: Scene) -> dict[str, Any]:

@@ -22,7 +22,7 @@ from chain_impact.pictures.motion.bodies import body_look
 from chain_impact.pictures.motion.poses import draw_chain
 from chain_impact.pictures.motion.walls import draw_pin, draw_room
 from chain_impact.recording.view import pin_lines
-from chain_impact.scene.display.bodies import outlines_from, placed_corners, rail_from
+from chain_impact.scene.display.outlines import outlines_from, placed_corners, rail_from
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.scene import Scene
 

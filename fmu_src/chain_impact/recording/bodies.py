@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from chain_impact.scene.display.bodies import discs_of_links
+from chain_impact.scene.display.outlines import discs_of_links
 from chain_impact.scene.texts.names import name_parts
 
 

@@ -12,7 +12,7 @@ from chain_impact.recording.impacts import lasts
 from chain_impact.recording.pacing import impact_ends
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.errors import RefusalError, names_matching
-from chain_impact.variables.hints import series_hint
+from chain_impact.variables.output_hints import series_hint
 
 # TIMES_WITHIN_IMPACT: number of additional times within an impact; MOST_REFINED_IMPACTS: largest number of
 # impacts that get them

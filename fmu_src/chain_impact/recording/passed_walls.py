@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping
 
 import numpy as np
 
-from chain_impact.scene.display.bodies import size_of_motion
+from chain_impact.scene.display.outlines import size_of_motion
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.text import names_text
 

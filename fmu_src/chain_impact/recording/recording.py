@@ -28,12 +28,12 @@ from chain_impact.recording.recorded_attributes import RecordedAttributes
 from chain_impact.recording.sensitivity import Sensitivities
 from chain_impact.recording.stick_slip import NO_PHASES
 from chain_impact.recording.tables import save_columns, save_impacts
-from chain_impact.scene.display.bodies import Rail, outlines_from, rail_from
+from chain_impact.scene.display.outlines import Rail, outlines_from, rail_from
 from chain_impact.scene.errors import names_matching
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.texts.names import AXES, SLIDER_STOPS, grouped_by_owner
 from chain_impact.text import count_text
-from chain_impact.variables.hints import output_hint
+from chain_impact.variables.output_hints import output_hint
 
 
 class Recording(RecordedAttributes, OlderNames):

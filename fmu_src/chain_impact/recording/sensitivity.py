@@ -15,8 +15,8 @@ from chain_impact.scene.texts.input_table import value_at_start
 from chain_impact.scene.texts.names import sensitivity_name
 from chain_impact.scene.texts.unit_text import bracketed_unit, scene_unit, with_unit
 from chain_impact.text import TextTable, as_html, count_text
-from chain_impact.variables.listing import derivatives_of
 from chain_impact.variables.prepared import PreparedScene
+from chain_impact.variables.scene_variables import derivatives_of
 from chain_impact.variables.variable import Variable
 
 RELATIVE_STEP = 0.01

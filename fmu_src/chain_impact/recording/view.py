@@ -13,7 +13,7 @@ from typing import TypeVar
 import numpy as np
 
 from chain_impact.recording.recording import Recording
-from chain_impact.scene.display.bodies import size_of_motion
+from chain_impact.scene.display.outlines import size_of_motion
 from chain_impact.scene.half_planes import HalfPlane
 
 # [1] a wall at a larger distance from the motion is not near; the distance is relative to the longer side of

@@ -22,7 +22,7 @@ from chain_impact.scene.errors import SceneError, SceneWarning, UnknownNameError
 from chain_impact.scene.facts import FACTS
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.text import PrintedResult, TextTable
-from chain_impact.variables.hints import series_hint
+from chain_impact.variables.output_hints import series_hint
 from chain_impact.variables.outputs import OUTPUTS
 from chain_impact.variables.prepared import PreparedScene, field_at
 from chain_impact.variables.selection import missing_output_hint

@@ -14,7 +14,7 @@ from chain_impact.scene.errors import error_at, no_wall_error
 from chain_impact.scene.half_planes import direction
 from chain_impact.scene.keys.tables import Material
 from chain_impact.scene.shapes import with_shapes
-from chain_impact.scene.signal_inputs import with_signals
+from chain_impact.scene.signals import with_signals
 from chain_impact.text import names_text
 from chain_impact.user_laws.law_file import LawError, read_law
 

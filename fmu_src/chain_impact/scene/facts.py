@@ -31,7 +31,7 @@ from chain_impact.scene.rules.rule_language import (
     value_of_key,
     value_within,
 )
-from chain_impact.scene.signal_inputs import signal_inputs_of
+from chain_impact.scene.signals import signal_inputs_of
 from chain_impact.scene.texts.input_table import INPUT_KEYS
 from chain_impact.scene.texts.names import DataPath
 

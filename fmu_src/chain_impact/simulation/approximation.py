@@ -20,7 +20,7 @@ import numpy as np
 from numpy.polynomial import polynomial
 
 from chain_impact.kernel.record.constants import INPUT_DEGREE
-from chain_impact.simulation.pieces import FUNCTION_ROUND_OFF, Piece, Pieces
+from chain_impact.simulation.polynomial_pieces import FUNCTION_ROUND_OFF, Piece, Pieces
 
 Sampled = Callable[[np.ndarray], np.ndarray]
 """M functions as one: times, shape (T,) [s] → their values, shape (T, M)."""

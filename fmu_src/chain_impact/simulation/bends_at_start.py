@@ -11,7 +11,7 @@ import numpy as np
 
 from chain_impact.kernel.chain.signals import signal_at
 from chain_impact.scene.kernel_view import signals_view
-from chain_impact.scene.signal_inputs import SignalInput
+from chain_impact.scene.signals import SignalInput
 from chain_impact.scene.texts.input_table import determined_quantities, is_motion
 
 SAME_DERIVATIVE = 1e-9

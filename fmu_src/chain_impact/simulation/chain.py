@@ -35,8 +35,8 @@ from chain_impact.simulation.instance import Instance
 from chain_impact.simulation.output_rows import spans_of
 from chain_impact.text import count_text
 from chain_impact.variables.indices import word_index
-from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.prepared import PreparedScene
+from chain_impact.variables.scene_variables import absent_hint
 
 
 class Chain:

@@ -37,12 +37,12 @@ from chain_impact.simulation.derivative_limits import (
 )
 from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.given_inputs import GivenInputs, Interpolation, named_inputs
-from chain_impact.simulation.inputs import InputSchedule, input_schedule
+from chain_impact.simulation.input_schedule import InputSchedule, input_schedule
 from chain_impact.simulation.instance import Instance
 from chain_impact.simulation.output_rows import WordRows
 from chain_impact.variables.indices import first_word, word_index
-from chain_impact.variables.listing import TANGENTS
 from chain_impact.variables.prepared import PreparedScene
+from chain_impact.variables.scene_variables import TANGENTS
 from chain_impact.variables.selection import columns_named, differentiable_named
 from chain_impact.variables.variable import Variable
 

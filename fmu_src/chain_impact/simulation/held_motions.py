@@ -13,7 +13,7 @@ import numpy as np
 from chain_impact.kernel.chain.inputs import REINITIALIZE
 from chain_impact.kernel.status import OK
 from chain_impact.progress import Progress
-from chain_impact.simulation.inputs import PIECE, InputSchedule
+from chain_impact.simulation.input_schedule import PIECE, InputSchedule
 from chain_impact.simulation.instance import Instance
 from chain_impact.simulation.output_rows import Rows
 from chain_impact.variables.kind import GIVEN_CHANNEL

@@ -14,14 +14,14 @@ from chain_impact.recording.stick_slip import CHANGE_DTYPE
 from chain_impact.scene.candidates import part_texts
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.errors import SimulationError
-from chain_impact.simulation.inputs import InputSchedule
+from chain_impact.simulation.input_schedule import InputSchedule
 from chain_impact.simulation.kernels import kernel_for
 from chain_impact.simulation.output_rows import Rows, spans_of
 from chain_impact.variables.indices import HEAD_WORDS, log_words
 from chain_impact.variables.kind import GIVEN_CHANNEL
-from chain_impact.variables.listing import TANGENTS
 from chain_impact.variables.parameters import DERIVED_DURING_RUN
 from chain_impact.variables.prepared import PreparedScene, as_prepared
+from chain_impact.variables.scene_variables import TANGENTS
 from chain_impact.variables.variable import Variable
 
 NO_CONTACTS = np.zeros(0, LOG_DTYPE)

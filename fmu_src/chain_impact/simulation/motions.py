@@ -24,7 +24,7 @@ from chain_impact.scene.signal_polynomials import spline_of_position, splines_be
 from chain_impact.scene.texts.input_table import is_position
 from chain_impact.scene.texts.names import AXES
 from chain_impact.simulation.approximation import Approximator
-from chain_impact.simulation.pieces import Pieces, joined_points
+from chain_impact.simulation.polynomial_pieces import Pieces, joined_points
 from chain_impact.variables.kind import CHANNEL_FIELDS, GIVEN_CHANNEL
 from chain_impact.variables.prepared import PreparedScene
 

@@ -18,7 +18,7 @@ from chain_impact.scene.scene import with_values
 from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.held_motions import holds_motions, run_with_rows_between, shortened
-from chain_impact.simulation.inputs import InputSchedule
+from chain_impact.simulation.input_schedule import InputSchedule
 from chain_impact.simulation.instance import Instance
 from chain_impact.simulation.output_rows import StepwiseColumns, WordRows, structured_rows
 from chain_impact.variables.indices import OutputIndices

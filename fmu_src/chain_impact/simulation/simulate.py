@@ -27,7 +27,7 @@ from chain_impact.scene.texts.input_table import exclusive_inputs
 from chain_impact.scene.warning import warn
 from chain_impact.simulation.errors import SimulationError
 from chain_impact.simulation.given_inputs import GivenInputs, Interpolation, NamedInputs, named_inputs
-from chain_impact.simulation.inputs import InputSchedule, input_schedule
+from chain_impact.simulation.input_schedule import InputSchedule, input_schedule
 from chain_impact.simulation.instance import Instance
 from chain_impact.simulation.output_rows import chosen_columns
 from chain_impact.simulation.run import Run

@@ -8,7 +8,7 @@ import numpy as np
 
 from chain_impact.scene.texts.input_table import determined_quantities, is_motion
 from chain_impact.scene.texts.names import name_parts
-from chain_impact.simulation.pieces import Pieces
+from chain_impact.simulation.polynomial_pieces import Pieces
 from chain_impact.variables.prepared import PreparedScene
 
 # [1] a target that is constant except for jumps is a list of positions to go to if it has at most this many

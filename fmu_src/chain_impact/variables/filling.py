@@ -28,9 +28,9 @@ from chain_impact.scene.scene import Scene
 from chain_impact.scene.texts.names import ENTRY_AT, OWNER_AT, DataPath
 from chain_impact.variables.indices import layout_of, word_index
 from chain_impact.variables.kind import GIVEN_ONLY, VariableKind, owner_path
-from chain_impact.variables.listing import TANGENTS
 from chain_impact.variables.owners import OWNER_KINDS, RECORD_NUMBERS, rule_value_function
 from chain_impact.variables.parameters import METHODS, PARAMETERS
+from chain_impact.variables.scene_variables import TANGENTS
 from chain_impact.variables.shared_data import MOST_CACHED, SharedData, changed_numbers
 from chain_impact.variables.signal_filling import fill_signals
 from chain_impact.variables.structure import Structure

@@ -12,7 +12,7 @@ from chain_impact.kernel.record.counts import Counts
 from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.record.instance import STATE_OUTPUTS, instance_dtype
 from chain_impact.scene.texts.names import DataPath
-from chain_impact.variables.listing import KEPT_STRUCTURES, outputs_of
+from chain_impact.variables.scene_variables import KEPT_STRUCTURES, outputs_of
 from chain_impact.variables.structure import Structure
 from chain_impact.variables.variable import Variable
 

@@ -2,9 +2,9 @@
 
 The names, texts and paths of a kind are templates. ``{n}`` stands for the number of an owner, ``{of}`` for
 the number of the owner's link, ``{name}`` for the name of the owner's wall or signal, ``{axis}`` for x or y.
-Any other word in braces in a text stands for words that depend on the scene or the owner (texts.py). In a
-path, ``{at}`` stands for the index of the owner in the record, ``{next}`` for this index plus 1, and any
-other word for the value with this name of the owner.
+Any other word in braces in a text stands for words that depend on the scene or the owner
+(description_texts.py). In a path, ``{at}`` stands for the index of the owner in the record, ``{next}`` for
+this index plus 1, and any other word for the value with this name of the owner.
 """
 
 from __future__ import annotations
@@ -149,7 +149,7 @@ class VariableKind:
     def derivative(self, parameter: VariableKind) -> VariableKind:
         """Return the kind of derivatives of outputs of this kind with respect to parameters of another kind.
 
-        The result has no unit; ``listing.derivatives_of`` gives a unit to each variable of this kind.
+        The result has no unit; ``scene_variables.derivatives_of`` gives a unit to each variable of this kind.
         """
         output_pattern, parameter_pattern = self.pattern, parameter.pattern
         text = f"derivative of {output_pattern} with respect to {parameter_pattern}"

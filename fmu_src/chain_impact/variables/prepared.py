@@ -19,7 +19,7 @@ from chain_impact.kernel.record.counts import Counts
 from chain_impact.kernel.record.fields import WORD
 from chain_impact.scene.facts import SceneFacts
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.signal_inputs import signal_inputs_of
+from chain_impact.scene.signals import signal_inputs_of
 from chain_impact.scene.texts.names import DataPath
 from chain_impact.variables.filling import new_record, with_tangents
 from chain_impact.variables.indices import (
@@ -30,7 +30,7 @@ from chain_impact.variables.indices import (
     output_indices,
     word_index,
 )
-from chain_impact.variables.listing import derivatives_of, outputs_of, parameters_of, undriven_inputs
+from chain_impact.variables.scene_variables import derivatives_of, outputs_of, parameters_of, undriven_inputs
 from chain_impact.variables.selection import differentiable_named, outputs_named
 from chain_impact.variables.shared_data import shared_by_structure, shared_data_of
 from chain_impact.variables.structure import Structure, structure_of

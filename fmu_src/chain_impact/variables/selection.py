@@ -14,9 +14,9 @@ from chain_impact.scene.scene import Scene, fixed_hint
 from chain_impact.scene.texts.input_table import input_key
 from chain_impact.scene.texts.names import DataPath
 from chain_impact.scene.texts.parameter_hints import parameter_hint
-from chain_impact.variables.hints import Hint, output_hint, parts_hint, series_hint
-from chain_impact.variables.listing import absent_hint, outputs_of_scene
+from chain_impact.variables.output_hints import Hint, output_hint, parts_hint, series_hint
 from chain_impact.variables.peaks import JOINT_FORCE, PEAKS
+from chain_impact.variables.scene_variables import absent_hint, outputs_of_scene
 from chain_impact.variables.variable import Variable
 
 

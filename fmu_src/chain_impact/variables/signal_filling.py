@@ -12,7 +12,7 @@ from chain_impact.scene.scene import Scene
 from chain_impact.scene.signal_polynomials import write_signal
 from chain_impact.scene.texts.names import DataPath
 from chain_impact.variables.kind import GIVEN_CHANNEL
-from chain_impact.variables.listing import requested_inputs_of
+from chain_impact.variables.scene_variables import requested_inputs_of
 from chain_impact.variables.structure import Structure
 
 

@@ -13,7 +13,7 @@ from typing import Any
 from chain_impact.kernel.record.counts import COUNTS, Counts
 from chain_impact.scene.facts import LISTS, SceneFacts
 from chain_impact.scene.scene import Scene
-from chain_impact.scene.signal_inputs import SignalInput, signal_inputs_of
+from chain_impact.scene.signals import SignalInput, signal_inputs_of
 from chain_impact.variables.owners import Owner, numbers_of_scene, owners_of
 
 

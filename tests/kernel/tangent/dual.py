@@ -10,7 +10,7 @@ import numpy as np
 from chain_impact.kernel.tangent.duals import DIRECTIONS
 from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.given_inputs import NamedInputs
-from chain_impact.simulation.inputs import input_schedule
+from chain_impact.simulation.input_schedule import input_schedule
 from chain_impact.variables.prepared import PreparedScene
 from chain_impact.variables.selection import differentiable_named
 from tests.helpers.kernel.columns import Columns

@@ -32,7 +32,7 @@ from chain_impact.pictures.texts.headline import largest_peaks, marked_peaks
 from chain_impact.recording.joint_peaks import joint_peaks
 from chain_impact.recording.joint_stops import range_lines
 from chain_impact.recording.view import ball_of
-from chain_impact.scene.display.bodies import size_of_motion
+from chain_impact.scene.display.outlines import size_of_motion
 from tests.pictures.pictures import (
     boxes,
     crowd,

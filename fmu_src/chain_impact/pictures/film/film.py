@@ -44,7 +44,7 @@ from chain_impact.recording.joint_stops import range_lines, stop_mark
 from chain_impact.recording.pacing import SLOW_RATE, TAIL, rate_text
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import film_view, pin_lines, positions_of, radius_of
-from chain_impact.scene.display.bodies import placed_corners
+from chain_impact.scene.display.outlines import placed_corners
 from chain_impact.scene.half_planes import HalfPlane
 
 MUTED = "#566076"

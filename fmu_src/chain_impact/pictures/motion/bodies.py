@@ -11,7 +11,7 @@ from matplotlib.patches import Circle, Polygon
 
 from chain_impact.pictures.drawing.colours import INK
 from chain_impact.recording.recording import Recording
-from chain_impact.scene.display.bodies import placed_corners
+from chain_impact.scene.display.outlines import placed_corners
 
 FILL = 0.13  # the opacity of the area inside the outline of a body, from 0 to 1
 SITE = 3.0  # [points] the size of the mark for a point of a link

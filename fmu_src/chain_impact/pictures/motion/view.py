@@ -10,7 +10,7 @@ import numpy as np
 
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.view import anchor_of, has_open_side, positions_of, view_corners
-from chain_impact.scene.display.bodies import size_of_motion
+from chain_impact.scene.display.outlines import size_of_motion
 from chain_impact.scene.half_planes import HalfPlane
 
 # VIEW_MARGIN: the margin of the view around the motion; BAND: how far the view reaches beyond a wall by

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.scene.contents import SceneContents
-from chain_impact.scene.display.bodies import outlines_from, placed_corners, rail_from
+from chain_impact.scene.display.outlines import outlines_from, placed_corners, rail_from
 
 LONGER_SIDE = 240  # number of pixels of the longer side of the drawing
 # both divided by the longer side of the rectangle around all points, or by contact.radius if this is larger:

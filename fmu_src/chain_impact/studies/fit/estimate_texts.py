@@ -12,7 +12,7 @@ from chain_impact.scene.texts.unit_text import scene_unit, with_unit
 from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.studies.fit.parameters import Parameter
 from chain_impact.studies.fit.report import rounded_text
-from chain_impact.studies.fit.unknown import error_text
+from chain_impact.studies.fit.undetermined import error_text
 from chain_impact.text import number_text
 
 MOST_ESTIMATES = 10  # largest number of parameters of which ranges are listed

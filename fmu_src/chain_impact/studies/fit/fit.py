@@ -24,7 +24,7 @@ from chain_impact.studies.fit.remarks import not_random, outliers, unusual_chi_s
 from chain_impact.studies.fit.result import Fit
 from chain_impact.studies.fit.sigma import standard_deviation
 from chain_impact.studies.fit.uncertainty import information, quantiles, small_sample
-from chain_impact.studies.fit.unknown import unknown_parameter_remarks
+from chain_impact.studies.fit.undetermined import unknown_parameter_remarks
 from chain_impact.text import count_text
 
 # the logarithm of an interval's end counts as ± infinity beyond ± LARGEST_LOGARITHM; exp overflows above 709

@@ -10,7 +10,7 @@ from chain_impact.progress import no_progress
 from chain_impact.results.result import Result
 from chain_impact.simulation.given_inputs import NamedInputs
 from chain_impact.simulation.held_motions import holds_motions
-from chain_impact.simulation.inputs import input_schedule
+from chain_impact.simulation.input_schedule import input_schedule
 from chain_impact.simulation.run import Run
 from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.variables.prepared import PreparedScene

@@ -16,8 +16,8 @@ from chain_impact.scene.texts.input_table import value_at_start
 from chain_impact.scene.texts.names import fmu_name
 from chain_impact.scene.texts.parameter_hints import start_hint
 from chain_impact.scene.texts.similar_names import nearest_name
-from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.prepared import PreparedScene
+from chain_impact.variables.scene_variables import absent_hint
 from chain_impact.variables.variable import Variable
 
 Bounds = Mapping[str, str | tuple[float | None, float | None]]

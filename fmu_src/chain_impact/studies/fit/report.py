@@ -10,7 +10,7 @@ import numpy as np
 from chain_impact.scene.texts.unit_text import scene_unit, with_unit
 from chain_impact.studies.fit.estimates import Estimates, LawEstimates
 from chain_impact.studies.fit.parameters import LOG_SCALE_REACH, Parameter
-from chain_impact.studies.fit.unknown import error_text
+from chain_impact.studies.fit.undetermined import error_text
 from chain_impact.text import TextTable, count_text, number_text, prefixed_unit
 
 # the report names two parameters if the absolute value of their correlation exceeds HIGH_CORRELATION

@@ -23,9 +23,9 @@ from chain_impact.simulation.kernels import counts_and_flags, kernel_for
 from chain_impact.study_data.sweep.runs import END_COLUMN, STATUS
 from chain_impact.study_data.sweep.variation import Variation
 from chain_impact.variables.indices import word_index
-from chain_impact.variables.listing import TANGENTS
 from chain_impact.variables.peaks import JOINT_FORCE, PEAKS
 from chain_impact.variables.prepared import PreparedScene, as_prepared
+from chain_impact.variables.scene_variables import TANGENTS
 from chain_impact.variables.selection import missing_output_hint
 from chain_impact.variables.variable import Variable
 

@@ -16,10 +16,10 @@ from chain_impact.scene.texts.names import fmu_name
 from chain_impact.scene.texts.parameter_hints import parameter_hint
 from chain_impact.scene.texts.similar_names import nearest_text
 from chain_impact.scene.warning import warn
-from chain_impact.variables.listing import absent_hint
 from chain_impact.variables.owners import Owner
 from chain_impact.variables.parameters import SIMULATION_KINDS
 from chain_impact.variables.prepared import PreparedScene, as_prepared
+from chain_impact.variables.scene_variables import absent_hint
 from chain_impact.variables.variable import Variable
 
 Values = str | float | Sequence[float | str] | np.ndarray

@@ -20,7 +20,7 @@ export function partsOf({ chain: { links } }) {
 
 /**
  * Return an owner of variables with the numbers that it has after an edit; undefined if the edit has removed it. `counts`: what the number
- * of the owner counts (`COUNT_NAMES` in kit.py); `before`, `after`: results of `partsOf` for the scene before and after the edit.
+ * of the owner counts (`COUNT_NAMES` in scene_tables.py); `before`, `after`: results of `partsOf` for the scene before and after the edit.
  */
 function ownerAfter(owner, counts, before, after) {
   const { n, at } = owner;

@@ -80,7 +80,7 @@ function ofStops({ n, columns: { moment } }) {
  * @param rows.time the times of the rows [s].
  * @param rows.x x [m] row after row, a value for each point in each row.
  * @param rows.y y in the same order.
- * @param rows.drawn the quantities of `drawn.py`: group → entries { n, name, columns: name → a value for each row }.
+ * @param rows.drawn the quantities of `drawn_outputs.py`: group → entries { n, name, columns: name → a value for each row }.
  * @param rows.impacts the impacts, from `impactsUntil`.
  * @param rows.walls the free sides of the walls: name → { normal, offset [m] }.
  * @param rows.moved the displacements [m] of moving walls along their normals: name → a value for each row; may be missing.

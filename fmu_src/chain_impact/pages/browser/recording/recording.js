@@ -174,7 +174,7 @@ export class Recording {
       .filter(({ force }) => force > 0);
   }
 
-  /** Return the entries of a group of `drawn.py` at a frame: number `n` and `name` of the owner, and name of a quantity → its value. */
+  /** Return the entries of a group of `drawn_outputs.py` at a frame: number `n` and `name` of the owner, and quantity → value. */
   drawnAt(group, frame) {
     return this.drawn[group].map(({ n, name, columns }) =>
       ({ n, name, ...mapValues(columns, (values) => this.betweenRows(values, frame)) }));

@@ -1,6 +1,6 @@
 // The shapes that the page draws: outlines of links that have points besides their ends; and the line, the carriage
 // and the stops of a slider.
-// The twin in Python is `scene/display/bodies.py`.
+// The twin in Python is `scene/display/outlines.py`.
 
 import { discOf } from "./geometry.js";
 

@@ -1,5 +1,5 @@
 // The model of a scene for the page: its variables and its record, made from the contents of the scene's file and the templates of
-// `kit.py`.
+// `scene_tables.py`.
 
 import { mapValues } from "../base/map_values.js";
 import { valueInFile } from "../base/paths.js";
@@ -36,7 +36,7 @@ function valuesOf(file, rows) {
 
 /**
  * Return the indices in the record of what the page draws: `points`, the coordinates of each point, and `groups`, the quantities of
- * `drawn.py` by group and owner.
+ * `drawn_outputs.py` by group and owner.
  */
 function drawnOf(kit, sceneNumbers, outputs) {
   const groups = Object.fromEntries(SHARED.drawn.GROUPS.map((group) => [group, new Map()]));

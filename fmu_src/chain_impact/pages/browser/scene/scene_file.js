@@ -1,4 +1,4 @@
-// Completes and checks the contents of a scene file, by the data of single keys in `kit.py` and by rules that compare values. The kernel
+// Completes and checks the contents of a scene file, by the data of keys in `scene_tables.py` and by rules that compare values. The kernel
 // refuses further values that are valid alone, but not together.
 // The twin in Python is `scene/checks/checks.py`.
 

@@ -1,6 +1,6 @@
 // The signals of a scene: the inputs that each drives, their data in the record, and the checks. The page has only the
 // tables of the scene with which it was made.
-// The twins in Python are `scene/signal_inputs.py`, `scene/signal_polynomials.py`, `scene/checks/signal_checks.py`.
+// The twins in Python are `scene/signals.py`, `scene/signal_polynomials.py`, `scene/checks/signal_checks.py`.
 
 import { numbersIn } from "../base/base64.js";
 import { unitText } from "../base/format.js";

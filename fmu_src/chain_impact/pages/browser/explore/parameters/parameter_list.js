@@ -11,7 +11,7 @@ const CHANGED = "Changed"; // the title of the group of changed parameters, whic
 // first part of a name → title of the group of such parameters, if it is not this part with a capital letter
 const GROUP_TITLES = { initial: "Start", stop: "Stops", tip: "Inputs", base: "Inputs", joint: "Inputs" };
 
-/** Return the names of all keys that a scene file may have, such as contact.friction; `keys`: their data in `kit.py`. */
+/** Return the names of all keys that a scene file may have, such as contact.friction; `keys`: their data in `scene_tables.py`. */
 function keyNames(keys, owner = "") {
   return Object.entries(keys).flatMap(([key, entry]) => {
     const inner = entry.keys ?? entry.each?.keys;

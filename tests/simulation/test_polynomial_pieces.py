@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from chain_impact.simulation.pieces import joined_points
+from chain_impact.simulation.polynomial_pieces import joined_points
 
 
 def test_points_that_are_held_or_joined_make_as_few_pieces_as_may_be():

@@ -31,7 +31,7 @@ from chain_impact.simulation.motions import (
     refuse_jumping_samples,
     refuse_jumps,
 )
-from chain_impact.simulation.pieces import Pieces, joined_points
+from chain_impact.simulation.polynomial_pieces import Pieces, joined_points
 from chain_impact.simulation.targets import still_dampers
 from chain_impact.variables.kind import GIVEN_CHANNEL
 from chain_impact.variables.prepared import PreparedScene

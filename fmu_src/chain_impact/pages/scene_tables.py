@@ -1,8 +1,8 @@
-"""Data about all scenes for the page that simulates: keys of a scene file, variables, paths in the record.
+"""Tables for all scenes, for the page that simulates: keys of a scene file, variables, paths in the record.
 
 The reader of the page edits scenes or opens files, so the number of links, walls and stops is not known. The
 data therefore contain templates, such as ``link[{n}].angle``, from which the page makes the variables as
-``variables/listing.py`` does, and the tables of scene/facts.py and variables/owners.py, which the page
+variables/scene_variables.py does, and the tables of scene/facts.py and variables/owners.py, which the page
 evaluates. The index of a word in the record depends on the numbers of links, walls, stops and other parts.
 The data contain the coefficients from which the page computes the index (compilation/affine.py). shared.py
 has the constants of all pages.
@@ -24,7 +24,7 @@ from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.kernel.record.constants import SIGNAL_DEGREE
 from chain_impact.kernel.record.fields import WORD
 from chain_impact.kernel.record.signals import signal_dtype
-from chain_impact.pages.drawn import DRAWN_COLUMNS
+from chain_impact.pages.drawn_outputs import DRAWN_COLUMNS
 from chain_impact.pages.signals import signal_table_data
 from chain_impact.recording.impacts import LOG_DTYPE
 from chain_impact.scene.facts import FACTS, LISTS, TRUE_FACT
@@ -34,15 +34,15 @@ from chain_impact.scene.rules.rule_language import Tree, tree
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.texts.input_table import INPUT_KINDS
 from chain_impact.scene.texts.names import OWNER_AT, DataPath
+from chain_impact.variables.description_texts import GENERAL, LOSSES
 from chain_impact.variables.indices import layout_of, word_index
 from chain_impact.variables.kind import GIVEN_CHANNEL, GIVEN_ONLY, LETTERS, Block, VariableKind, owner_path
-from chain_impact.variables.listing import choices_of
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.owners import COUNT_RULES, OWNER_KINDS, RECORD_NUMBERS, Owner
 from chain_impact.variables.parameters import PARAMETERS, SIMULATION_KINDS
 from chain_impact.variables.peaks import PEAKS
+from chain_impact.variables.scene_variables import choices_of
 from chain_impact.variables.signal_filling import input_at
-from chain_impact.variables.texts import GENERAL, LOSSES
 from chain_impact.variables.variable import UNLESS_SET, Item, Variable, variable_row
 
 TEMPLATE_TEXTS = {word: f"{{{word}}}" for word in ("n", "of", "name", "before")}

@@ -15,12 +15,12 @@ from chain_impact.scene.derived import rule_at
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.texts.names import DataPath, is_like, sensitivity_name
 from chain_impact.user_laws.law_file import read_law
+from chain_impact.variables.description_texts import owner_texts, scene_texts
 from chain_impact.variables.kind import Block, VariableKind, owner_path
 from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.owners import Owner
 from chain_impact.variables.parameters import LAWS, METHODS, PARAMETERS
 from chain_impact.variables.structure import Structure, structure_of
-from chain_impact.variables.texts import owner_texts, scene_texts
 from chain_impact.variables.units import quotient
 from chain_impact.variables.variable import Item, Variable
 
