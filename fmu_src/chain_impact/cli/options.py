@@ -103,13 +103,8 @@ def add_inputs(
 
     ``interpolations`` are the choices of ``--interpolation``.
     """
-    command.add_argument(
-        "--inputs",
-        action=SingleOption,
-        metavar="FILE",
-        type=path_with_suffix(".csv", ".parquet"),
-        help="set inputs from a table with a column time [s] and a column for each input (csv, parquet)",
-    )
+    help_text = "set inputs from a table with a column time [s] and a column for each input (csv, parquet)"
+    add_file(command, "--inputs", (".csv", ".parquet"), help_text)
     command.add_argument(
         "--interpolation",
         choices=interpolations,
@@ -191,13 +186,7 @@ def add_plot(command: argparse.ArgumentParser, help_text: str) -> None:
 
     ``help_text`` are the words for the contents of the picture in the help.
     """
-    command.add_argument(
-        "--plot",
-        action=SingleOption,
-        metavar="FILE",
-        type=path_with_suffix(*PICTURES),
-        help=f"draw {help_text} (png, svg, pdf)",
-    )
+    add_file(command, "--plot", PICTURES, f"draw {help_text} (png, svg, pdf)")
     command.add_argument(
         "--size",
         action=SingleOption,
@@ -299,12 +288,13 @@ def add_csv(command: argparse.ArgumentParser, help_text: str) -> None:
 
     ``help_text`` are the words for the contents of the table in the help.
     """
+    add_file(command, "--csv", ("", ".csv"), f"write {help_text}")
+
+
+def add_file(command: argparse.ArgumentParser, option: str, suffixes: Sequence[str], help_text: str) -> None:
+    """Add an option for one file with one of ``suffixes`` (``path_with_suffix``)."""
     command.add_argument(
-        "--csv",
-        action=SingleOption,
-        metavar="FILE",
-        type=path_with_suffix("", ".csv"),
-        help=f"write {help_text}",
+        option, action=SingleOption, metavar="FILE", type=path_with_suffix(*suffixes), help=help_text
     )
 
 

@@ -14,6 +14,7 @@ from chain_impact.cli.options import (
     UsageError,
     Verbs,
     add_csv,
+    add_file,
     add_inputs,
     add_plot,
     add_repeated,
@@ -24,7 +25,6 @@ from chain_impact.cli.options import (
     check_outputs,
     input_table_of,
     names_between_commas,
-    path_with_suffix,
     write_picture,
 )
 from chain_impact.cli.printing import say
@@ -242,13 +242,8 @@ def _add_tables(verb: argparse.ArgumentParser) -> None:
         alias="--output",
     )
     complete(named_options, outputs, is_listed=True)
-    verb.add_argument(
-        "--impacts",
-        action=SingleOption,
-        metavar="FILE",
-        type=path_with_suffix(*SUFFIXES),
-        help=f"write the list of impacts ({', '.join(suffix[1:] for suffix in SUFFIXES)})",
-    )
+    suffixes_text = ", ".join(suffix[1:] for suffix in SUFFIXES)
+    add_file(verb, "--impacts", SUFFIXES, f"write the list of impacts ({suffixes_text})")
 
 
 def run(options: argparse.Namespace) -> int:

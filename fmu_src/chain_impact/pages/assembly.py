@@ -28,8 +28,8 @@ STRIPPED_FROM_SCRIPTS = re.compile(
     r"|(?<= [=!]==) |(?<= (?:=>|&&)) |(?<= [|]{2}) |(?<=\{) | (?=\})|(?<=\)) (?=\{)",
     re.MULTILINE,
 )
-# pattern of strings and comments of licences, which a style sheet keeps, as the group, or of what it does not
-# need: other comments, and spaces beside its signs
+# pattern of a style sheet: its group matches what must stay, strings and comments of licences; all else that
+# matches can be left out, other comments and spaces beside signs
 STRIPPED_FROM_STYLES = re.compile(
     r'("[^"\n]*"|/\*!.*?\*/)|/\*.*?\*/\s*|(?<=[:;,{}])\s+|\s+(?=[{}])', re.DOTALL
 )

@@ -12,8 +12,8 @@ from chain_impact.recording.sensitivity import Sensitivities
 def is_outside_impacts(recording: Recording) -> np.ndarray:
     """Return whether each row is outside of all impacts that end in the run, shape (T,).
 
-    A parameter also shifts impacts in time. Within an impact, where quantities change fast, the derivatives
-    are therefore very large.
+    A change of a parameter shifts impacts in time. Within an impact, where quantities change fast, the
+    derivatives are therefore very large.
     """
     return ~rows_within(recording, recording.impacts)
 

@@ -14,8 +14,8 @@ from chain_impact.scene.texts.names import grouped_by_owner
 
 IMPACT_TIME = 0.6  # [s] default time on the screen for one impact
 SPEED_RAMP = 0.05  # [s] simulated time in which a film slows down before an impact, or speeds up after it
-# [s] simulated time after an onset that is shown in slow motion at most; in a longer contact the chain mostly
-# rests or leans
+# [s] the largest simulated time after an onset that is shown in slow motion; in a longer contact the chain
+# mostly rests or leans
 LONGEST_SLOW = 0.1
 # [s] least duration that a film assumes for an impact, because an impulse of a rigid wall has none
 LEAST_DURATION = 1e-4

@@ -185,7 +185,7 @@ def names_matching(
 
     Raises:
         UnknownNameError: when no name matches. Its hint is the text that the function ``hint`` returns for
-            ``name`` or, if this is None, the class's own, such as the most similar name.
+            ``name``; if this is None, ``UnknownNameError`` finds a hint, such as the most similar name.
     """
     is_text = isinstance(name, str)
     matched = find_names(name, names) if is_text else []

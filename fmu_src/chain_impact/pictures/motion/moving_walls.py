@@ -35,7 +35,8 @@ def draw_moving(axes: Axes, recording: Recording, view: View, shade: Any, times:
     def lines(name: str, times: Sequence[float]) -> list[np.ndarray]:
         """Return the two ends of the visible part of the wall ``name`` at each of some times [s].
 
-        The visible part bounds the room of the chain in the view; a wall without such a part has no ends.
+        The visible part is the border of the region in the view where the chain may be; a wall without a
+        visible part has no ends.
         """
         rooms = (recording.walls_at(time) for time in times)
         return [

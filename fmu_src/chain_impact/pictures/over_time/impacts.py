@@ -254,9 +254,10 @@ def rows_by_height(tops: np.ndarray) -> np.ndarray:
 def common_marks(
     recording: Recording, times: np.ndarray, tops: np.ndarray
 ) -> dict[tuple[int, int], list[int]]:
-    """Return which impacts have their marks in each cell (ONE_MARK): cell → rows of ``impacts``, ascending.
+    """Return which impacts have marks that look like one: cell of the panel → rows of ``impacts``, ascending.
 
-    Cells without marks are left out. ``times`` and ``tops`` are the result of ``marks_of``.
+    Width and height of a cell are ONE_MARK times those of the panel. Cells without marks are left out.
+    ``times`` and ``tops`` are the result of ``marks_of``.
     """
     scales = (recording.duration, float(tops.max(initial=0.0)))
     width, height = (ONE_MARK * (scale or 1.0) for scale in scales)
@@ -289,10 +290,10 @@ def mark_shifts(
 def point_groups(recording: Recording, tops: np.ndarray) -> list[tuple[str, dict[str, Any], np.ndarray]]:
     """Return the groups of impacts with a common mark: name, mark, and rows of the impacts.
 
-    If at most MOST_OWN_MARKS points and joints have impacts, a joint at its stops, each of these points and
-    joints has a group. Otherwise the MOST_OWN_MARKS − 1 with the highest marks have a group each, and the
-    first group, "others", with a grey mark, has the impacts of all further points and joints. The mark is
-    given by properties with matplotlib's names. ``tops``: the heights by ``marks_of``.
+    Each point with impacts, and each joint with impacts at its stops, has a group. If these would be more
+    than MOST_OWN_MARKS groups, only the MOST_OWN_MARKS − 1 with the highest marks are kept, and the first
+    group, "others", with a grey mark, has the impacts of all other points and joints. A mark is a dict of
+    properties with matplotlib's names. ``tops``: the heights by ``marks_of``.
     """
     impacts = recording.impacts
     names = [short_names(recording, what_touches(recording, row)) for row in impacts]

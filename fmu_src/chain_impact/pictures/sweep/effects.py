@@ -1,7 +1,8 @@
-"""The effect of each varied parameter on a result of samples, at equal other parameters, from a fit.
+"""The effect of each varied parameter of a sweep on a result, if all other parameters stay equal.
 
-The fit is a sum of a function of each parameter: a polynomial of a number, and a value for each choice. If
-all values of the result are positive, the fit is of their logarithms, and the effects are factors.
+The samples of a sweep vary all parameters at once. Therefore a function is fitted to the result: a sum with
+a term for each parameter, a polynomial of a number or a value for each choice. If all values of the result
+are positive, the function is fitted to their logarithms, and the effects are factors.
 """
 
 from __future__ import annotations

@@ -195,10 +195,11 @@ def _most_change(values: np.ma.MaskedArray, axis: int) -> str:
 
 
 def share_of(runs: SweepRuns, variation: Variation, values: np.ndarray) -> tuple[float, str]:
-    """Return the share of a parameter in the variance of the ranks of a result, and "rises" or "falls".
+    """Return the share of a parameter in the variance of a result's ranks, and how the result follows it.
 
-    For samples of a number, the second text is that of the rank correlation. Else it is "" for a choice, and
-    if the mean rank neither only rises nor only falls with the parameter.
+    The second value is "rises" or "falls": for samples of a number, by the sign of the rank correlation; for
+    a list of numbers, if the mean rank rises, or falls, from each number to the next one. It is "" for a list
+    with another course of the mean rank, and for choices.
     ``values``: the result of each run, NaN if it is not known.
     """
     from scipy.stats import rankdata  # this import takes long

@@ -147,18 +147,25 @@ def write_head(
 ) -> None:
     """Write the headline of a recording's picture and lines below it; conditions and ``notes`` at the foot.
 
-    The headline is ``title`` or, if ``title`` is "", the result of ``headline`` with the words ``lead``. By
-    default, these are the words of the first told impact. If they are "" and ``told_peaks`` is not given,
-    they are those of the largest force in a joint, if no impact is told and the panel of the motion shows it.
+    Without a ``title``, the headline is the result of ``headline`` with the words ``lead``. If the recording
+    has no told impact, the words can be those of the largest force in a joint (``load_text``), if the panel
+    of the motion shows this force.
 
-    ``first`` are texts that stand before the results. The results tell the impacts of ``largest_peaks``
-    and the largest force in a joint (``load_text``) or, if ``told_peaks`` is given, only the impacts in
-    ``told_peaks``. ``panels``: the names of the panels of an overview.
+    Two results can have a line of their own below the headline, in the colour of their mark in a panel. The
+    first told impact has one if there is no ``title``, and if the figure is narrow or a panel marks the
+    impact. The largest force in a joint has one if the figure is narrow or the panel of the motion shows this
+    force. All other results stand before the conditions.
 
-    Without a ``title``, the first of the told impacts has a line of its own below the headline if the figure
-    is narrow or a panel marks the impact. So has the largest force in a joint if the figure is narrow or the
-    panel of the motion shows it. A line has the colour of the mark if a panel has a mark. All other results
-    stand before the conditions. Without room for all texts at the foot, only ``notes`` are there.
+    Args:
+        figure: the figure, which has its panels.
+        recording: the recording.
+        title: the headline; "" for the usual one.
+        first: texts that stand before the results.
+        told_peaks: the impacts to tell; by default those of ``largest_peaks``, and the largest force in a
+            joint.
+        lead: the words of the headline; by default those of the first told impact.
+        panels: the names of the panels of an overview.
+        notes: texts at the foot, which are written even if the conditions have no room there.
     """
     short, load = is_narrow(figure), load_text(recording) if told_peaks is None else ""
     told_peaks = largest_peaks(recording) if told_peaks is None else told_peaks

@@ -229,11 +229,11 @@ def base_start_hint(axis: str, start: float, given_value: float) -> str:
 
 
 def base_hints(scene: SceneContents) -> list[str]:
-    """Return a sentence for each wall that the base, taken without radius, is beyond at the start.
+    """Return a sentence for each wall behind which the base is at the start; its radius does not count.
 
-    Only walls that cannot touch the base count: all walls of a pinned base, and walls that may move, and are
-    parallel to its line, of a base that slides. If nothing moves, the start is allowed, but the wall is
-    probably misplaced.
+    Only walls that cannot touch the base are checked. A pinned base touches no wall; a base that slides does
+    not touch walls parallel to its line, of which those that may move are checked. Such a start is allowed,
+    but the wall is probably misplaced.
     """
     x, y = scene.base_at_start
     walls = {

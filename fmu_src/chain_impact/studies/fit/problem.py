@@ -175,8 +175,8 @@ class Problem:
     def evaluate(self, coordinates: np.ndarray, horizon: float = math.inf) -> Evaluation:
         """Run the scenes of all data sets with some values of the parameters, and compare them with the data.
 
-        ``coordinates``: the coordinates of these values, shape (P,). The residuals of values whose
-        time exceeds ``horizon`` [s] are NaN.
+        ``coordinates``: these values on the scales of the search (``Parameter``), shape (P,). The residuals
+        of measured values whose time exceeds ``horizon`` [s] are NaN.
         """
         values = self.values(coordinates)
         scale = self.scale(values)
