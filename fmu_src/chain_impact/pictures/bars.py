@@ -87,7 +87,7 @@ class Bars:
 
     @property
     def is_hollow(self) -> Sequence[bool]:
-        """``hollow``, or False for each bar if there are none."""
+        """For each bar whether it is hollow; False for all bars if ``hollow`` is empty."""
         return self.hollow or [False] * len(self.values)
 
     @property

@@ -105,13 +105,14 @@ def is_first_order_true(relative_changes: np.ndarray) -> np.ndarray:
 def with_small_steps(
     recording: Recording, sensitivities: Sensitivities, outputs: Sequence[str], is_known: np.ndarray
 ) -> Sensitivities:
-    """Return derivatives with smaller steps of parameters that are 0, whose curves suit those of the others.
+    """Return the derivatives with smaller steps for parameters that are 0, so that all curves fit in a panel.
 
-    1 % of 0 is 0, so that the step of such a parameter is arbitrary. The step gets the largest of STEP_PARTS
-    with which the changes of no output are more than MOST_OF_ZERO times the largest by a parameter that is
-    not 0, if this largest change is not 0; without such a part, the whole step stays. Only curves use these
-    steps; the legend has their factors, and all numbers are for the whole step. If all or no parameters are
-    0, nothing changes.
+    The step of a parameter is 1 % of its value. A parameter that is 0 has an arbitrary step instead, which is
+    here multiplied by a factor: the largest of STEP_PARTS with which the parameter changes each output by at
+    most MOST_OF_ZERO times the largest change by a parameter that is not 0. Outputs that no other parameter
+    changes do not count. If no factor is small enough, the step stays. The factors are for curves and their
+    legend only; all numbers are for the whole step. If all or no parameters are 0, nothing changes.
+
     ``is_known`` is the result of ``known_changes``.
     """
     is_zero = np.array([value == 0.0 for value in sensitivities.parameters.values()])

@@ -36,7 +36,11 @@ NEARLY_FAST = 0.75
 
 
 def known_clearances(d):
-    """Return `search.known_extent` for the start of the searched step; NOTHING_KNOWN after a break."""
+    """Return how much is known of the clearances at the start of the searched step.
+
+    The result is NOTHING_KNOWN if the sequence of steps has a break there (``step.break_count``), and
+    `search.known_extent` otherwise.
+    """
     return d.search.known_extent if d.search.known_at_break == d.step.break_count else NOTHING_KNOWN
 
 

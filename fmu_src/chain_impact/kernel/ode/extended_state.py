@@ -101,7 +101,7 @@ def quadrature_at(d, k):
 
 
 def extended_length(d):
-    """Return the number of entries of the extended state z: y without u and t, g, ġ and quadratures."""
+    """Return the number of entries of z: those of y except u and t, then g, ġ and the quadratures."""
     return quadrature_at(d, d.quadrature.count)
 
 

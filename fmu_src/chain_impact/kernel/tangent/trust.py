@@ -132,7 +132,7 @@ def fastest_speed(t):
     """Return the speed [m/s] of the fastest point or site, without derivatives."""
     largest_speed, velocity = 0.0, t.scratch.velocity
     for k in range(len(velocity.x)):
-        # the places of joints are left out, because no point moves with their velocities
+        # the entries of the joints are skipped, because their velocities are not those of points
         if not t.link_count < k <= 2 * t.link_count:
             x, y = value(velocity.x[k]), value(velocity.y[k])
             largest_speed = max(largest_speed, math.sqrt(x * x + y * y))
