@@ -13,7 +13,7 @@ from chain_impact.conversion.mjcf_fields import (
     FIELD_REMARKS,
     IGNORED_FLAGS,
     USED_FIELDS,
-    fields,
+    fields_of_model,
     treatments,
     unsupported_fields,
 )
@@ -63,13 +63,13 @@ def acceleration(model):
 
 def test_a_field_of_a_new_mujoco_has_yet_to_be_decided_on():
     """On failure, decide for each new field: converted, reported, or without effect on a scene."""
-    field_fates = {field: treatments(field) for field, _ in fields(rich())}
+    field_fates = {field: treatments(field) for field, _ in fields_of_model(rich())}
     assert [field for field, fate in field_fates.items() if not fate] == []
     assert [field for field, fate in field_fates.items() if {"used", "remarked"} <= set(fate)] == []
 
 
 def test_the_table_has_no_field_that_mujoco_does_not_have():
-    field_names = {field for field, _ in fields(rich())}
+    field_names = {field for field, _ in fields_of_model(rich())}
     assert [
         name
         for name in [*USED_FIELDS.split(), *(row.field for row in FIELD_REMARKS)]
@@ -113,7 +113,7 @@ def test_a_field_that_the_table_does_not_have_is_told_if_it_is_not_zero(monkeypa
 def test_fields_without_effect_change_no_acceleration_in_flight():
     model = rich()
     expected = acceleration(model)
-    for field, value in fields(model):
+    for field, value in fields_of_model(model):
         values = np.asarray(value)
         excluded = {"used", "remarked", "follow from other fields", "counts, addresses and names"}
         if (

@@ -16,7 +16,7 @@ from chain_impact.fmu.references import (
     REFERENCE_ROWS,
     REFERENCE_TOLERANCE,
     check_references,
-    reference,
+    reference_results,
 )
 from chain_impact.scene.files.models import model_names
 from chain_impact.variables.prepared import PreparedScene
@@ -88,7 +88,7 @@ def test_the_times_are_those_that_can_be_relied_on():
     """No time is close to the beginning or end of a contact; chaotic motion leaves 1 to 10 of 1000 s."""
     scene = load_scene("four_link_box")
     usual_reference, long_reference, fine_reference, coarse_reference = (
-        reference(PreparedScene(scene.with_values(changes)))
+        reference_results(PreparedScene(scene.with_values(changes)))
         for changes in (
             {},
             {"simulation.stop_time": 1000.0},

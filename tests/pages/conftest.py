@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from chain_impact import explore, load_scene, simulate
-from chain_impact.pages.assembly import browser_text, program
+from chain_impact.pages.assembly import browser_text, program_text
 from chain_impact.pages.explore import TOML
 from chain_impact.results.animation import write_animation
 from chain_impact.studies.animate import record_slowly
@@ -176,7 +176,7 @@ def worker(browser):
     """Return a page with the worker's program without a worker; ``compiled`` makes a module of a text."""
     page = browser.new_page()
     toml = f"const TOML = {{}}; (function (exports) {{ {browser_text(TOML)} }})(TOML);"
-    page.set_content(f"<script>{program(*MODULES)}{COMPILED}{toml}</script>")
+    page.set_content(f"<script>{program_text(*MODULES)}{COMPILED}{toml}</script>")
     yield page
     page.close()
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import quickjs
 
-from chain_impact.pages.assembly import browser_text, program
+from chain_impact.pages.assembly import browser_text, program_text
 from chain_impact.pages.explore import TOML
 
 BROWSER = f"""
@@ -36,7 +36,7 @@ class Script:
     def __init__(self, *names):
         self.context = quickjs.Context()
         self.context.add_callable("atob", lambda text: base64.b64decode(text).decode("latin-1"))
-        self.context.eval(BROWSER + program(*names))
+        self.context.eval(BROWSER + program_text(*names))
 
     def evaluate(self, function, argument=None):
         """Return the value of a function, as a page of a browser does; values go over as JSON.

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from chain_impact.pages.assembly import program
+from chain_impact.pages.assembly import program_text
 from chain_impact.recording.impacts import IMPACT_DTYPE
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.half_planes import half_planes
@@ -277,7 +277,9 @@ def test_the_labels_of_a_force_are_not_cut_off(show_recording):
 
 def test_a_long_list_ends_with_how_many_more_there_are(open_page):
     page = open_page("about:blank", begins=False)
-    page.set_content(f"<small id='impacts-seen'></small><script>{program('player/impact_list.js')}</script>")
+    page.set_content(
+        f"<small id='impacts-seen'></small><script>{program_text('player/impact_list.js')}</script>"
+    )
     long_list = function_of("playback", "longList")
     assert page.evaluate(long_list, 2345) == [2000, "and 345 more, which the animation shows"]
     rows, table = page.evaluate(long_list, 2000)

@@ -14,8 +14,8 @@ import quickjs
 
 from chain_impact import Recording, load_scene, model_names, simulate
 from chain_impact.pages import explore, recorded
-from chain_impact.pages.assembly import FRAGMENTS, PAGE, STYLES, browser_text, module_files, program
-from chain_impact.pages.recorded import data, recorded_page
+from chain_impact.pages.assembly import FRAGMENTS, PAGE, STYLES, browser_text, module_files, program_text
+from chain_impact.pages.recorded import data_of_page, recorded_page
 from chain_impact.studies.animate import record_slowly
 from tests.helpers.scenes.friction import pendulum, sled
 from tests.helpers.scenes.stops import knee_scene
@@ -72,7 +72,7 @@ def assert_alone(text):
 
 
 def test_the_packed_data_are_the_recording(recording):
-    packed = json.loads(json.dumps(data(recording)))
+    packed = json.loads(json.dumps(data_of_page(recording)))
     time = np.frombuffer(base64.b64decode(packed["time"]), "<f8")
     np.testing.assert_array_equal(time, recording.time)
     for axis, name in enumerate("xy"):
@@ -93,17 +93,17 @@ def test_the_packed_data_are_the_recording(recording):
 
 
 def test_friction_and_what_sticks():
-    first, second = (entry["columns"] for entry in data(record_slowly(sled()))["drawn"]["contacts"])
+    first, second = (entry["columns"] for entry in data_of_page(record_slowly(sled()))["drawn"]["contacts"])
     assert first["friction"]["low"] < -2.0
     assert first["sticking"] == second["sticking"]
-    joints = data(record_slowly(pendulum()))["drawn"]["joints"]
+    joints = data_of_page(record_slowly(pendulum()))["drawn"]["joints"]
     assert [(joint["n"], joint["name"]) for joint in joints] == [(1, ""), (2, "")]
     assert [set(unpacked(joint["columns"]["sticking"])) for joint in joints] == [{1.0}, {1.0}]
 
 
 def test_forces_in_joints():
     recording = simulate(load_scene("pinned_arm").with_values({"outputs.loads": True}))
-    loads = data(recording)["drawn"]["loads"]
+    loads = data_of_page(recording)["drawn"]["loads"]
     packed = {load["n"]: [whole(load, axis, recording.time) for axis in "xy"] for load in loads}
     assert packed.keys() == {1, 2}
     for joint, force in packed.items():
@@ -112,7 +112,7 @@ def test_forces_in_joints():
 
 
 def test_the_page_has_the_ranges_and_tells_stops_from_walls():
-    packed = data(simulate(knee_scene()))
+    packed = data_of_page(simulate(knee_scene()))
     assert packed["stops"] == [{"joint": 2, "arc": (0.0, 2.0), "marks": [0.0, 2.0]}]
     assert {impact["wall"]: impact["atStop"] for impact in packed["impacts"]} == {
         "joint_min": True,
@@ -182,7 +182,7 @@ def test_a_law_has_a_sentence_with_its_range_and_source():
 
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_the_modules_are_one_program(name):
-    text = program(name)
+    text = program_text(name)
     assert not re.search(r"^(import|export)\b", text, re.MULTILINE)
     quickjs.Context().get("Function")(f"async () => {{\n{text}\n}}")
     # the modules share one scope, in which a second function of a name would silently replace the first

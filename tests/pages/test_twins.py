@@ -28,7 +28,7 @@ from chain_impact import load_scene, model_names, simulate
 from chain_impact.map_colours import WIDE_COLOURS, colour_ends, count_bins, value_ratio
 from chain_impact.pages.assembly import browser_text
 from chain_impact.pages.drawn_outputs import GROUPS, drawn_entries
-from chain_impact.pages.recorded import data, free_sides, impacts
+from chain_impact.pages.recorded import data_of_page, free_sides, impacts_of_page
 from chain_impact.pictures.drawing.colours import LOAD
 from chain_impact.pictures.film.arrow_scale import ArrowScale
 from chain_impact.pictures.film.film import FORCE, MUTED
@@ -143,7 +143,7 @@ def recorded(model):
 @pytest.mark.parametrize("model", ["four_link_box", "kneed_leg", "rod_drop", "rocking_block", "pinned_arm"])
 def test_the_impacts_that_are_shown_slowly(script, model):
     result = recorded(model)
-    spans = script.evaluate(SPANS, [impacts(result), float(result.time[-1])])
+    spans = script.evaluate(SPANS, [impacts_of_page(result), float(result.time[-1])])
     assert len(spans) == len(slow_spans(result))
     if spans:
         close(spans, slow_spans(result))
@@ -237,7 +237,7 @@ def test_the_shapes_of_a_scene_and_the_rate_of_its_frames(script, source):
 @pytest.mark.parametrize("model", ["four_link_box", "cart_pole", "pinned_arm", "thrown_brick"])
 def test_the_page_of_a_recording_shows_the_frames_and_the_view_of_a_film(script, model):
     result = recorded(model)
-    shown_frames = script.evaluate(FRAMES_SHOWN, [data(result), 0.6])
+    shown_frames = script.evaluate(FRAMES_SHOWN, [data_of_page(result), 0.6])
     start, stop = float(result.time[0]), float(result.time[-1])
     times, _ = frame_times(start, stop, slow_spans(result), 0.6, usual_rate=frame_rate(result))
     close(shown_frames["time"], times)
@@ -251,7 +251,7 @@ def test_the_page_of_a_recording_shows_the_frames_and_the_view_of_a_film(script,
 
 @pytest.mark.parametrize("model", ["ramp", "sphere_on_wall", "bouncing_ball", "rod_drop", "thrown_brick"])
 def test_the_centre_of_a_ball(script, model):
-    shape, values = data(recorded(model)), load_scene(model).values
+    shape, values = data_of_page(recorded(model)), load_scene(model).values
     link = [values["link[1].center_of_mass"], values["link[1].length"]]
     assert script.evaluate("([shape, link]) => ballOf(shape, ...link)", [shape, link]) == shape["ball"]
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from chain_impact.recording.curves import bends, refine_times
+from chain_impact.recording.curves import has_bends, refine_times
 
 
 def test_curves_reach_the_peaks_of_lasting_contacts():
@@ -41,4 +41,4 @@ def test_a_run_that_ends_early_keeps_its_times():
 
 
 def test_no_interval_of_two_rows_bends():
-    assert not bends(np.array([0.0, 1.0]), [np.array([0.0, 1.0])]).any()
+    assert not has_bends(np.array([0.0, 1.0]), [np.array([0.0, 1.0])]).any()

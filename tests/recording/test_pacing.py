@@ -11,7 +11,7 @@ from chain_impact.recording.pacing import (
     SPEED_RAMP,
     frame_rate,
     frame_times,
-    rate,
+    rates_over_time,
 )
 from chain_impact.studies.animate import record_slowly
 
@@ -76,7 +76,9 @@ def test_frames_increase_and_are_no_more_than_allowed():
 
 def test_the_slower_rate_of_two_impacts_holds():
     time = np.array([0.5, 0.5005])
-    assert (rate(time, [(0.5, 0.501), (0.49, 0.6)], 0.5) == rate(time, [(0.5, 0.501)], 0.5)).all()
+    assert (
+        rates_over_time(time, [(0.5, 0.501), (0.49, 0.6)], 0.5) == rates_over_time(time, [(0.5, 0.501)], 0.5)
+    ).all()
 
 
 def test_a_sine_that_drives_an_input_has_sixteen_frames_in_a_period():

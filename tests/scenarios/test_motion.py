@@ -8,8 +8,8 @@ import pytest
 from matplotlib.figure import Figure
 
 from chain_impact import Chain, SceneError, SceneWarning, SimulationError, simulate
-from chain_impact.fmu.references import reference
-from chain_impact.pages.recorded import data
+from chain_impact.fmu.references import reference_results
+from chain_impact.pages.recorded import data_of_page
 from chain_impact.pictures.film.film import Film
 from chain_impact.scene.scene import scene_from_dict
 from chain_impact.variables.prepared import PreparedScene
@@ -236,7 +236,7 @@ def test_walls_are_drawn_where_they_are(tmp_path):
     walls = result.walls_at(0.5)
     assert walls["y_min"].offset == pytest.approx(height(0.5))
     assert walls["x_max"].offset == pytest.approx(-2.0 + 0.15)
-    moved_walls = data(result)["moved"]
+    moved_walls = data_of_page(result)["moved"]
     assert (moved_walls["y_min"]["low"], moved_walls["y_min"]["high"]) == pytest.approx(
         (0.2 * math.sin(4.0), 0.2), abs=1e-3
     )
@@ -251,7 +251,7 @@ def test_walls_are_drawn_where_they_are(tmp_path):
 
 def test_reference_results_have_velocities_of_their_motions(recwarn):
     scene = pendulum(box={"y_min": -1.0}, inputs={"base_motion": True, "wall_motion": True})
-    result = reference(PreparedScene(scene))
+    result = reference_results(PreparedScene(scene))
     assert not [warning for warning in recwarn if warning.category is SceneWarning]
     assert len(result.times) > 50
     step, inputs = result.times[1], result.inputs

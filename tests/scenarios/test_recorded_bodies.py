@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from chain_impact import simulate
-from chain_impact.pages.recorded import data
+from chain_impact.pages.recorded import data_of_page
 from chain_impact.pictures.over_time.impacts import marks_of, point_groups
 from chain_impact.recording.csv_file import read_csv
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.stick_slip import element_label
-from chain_impact.scene.display.outlines import outline, outlines_from, placed_corners
+from chain_impact.scene.display.outlines import outline_of_discs, outlines_from, placed_corners
 from chain_impact.scene.scene import scene_from_dict
 from tests.helpers.scenes import bodies
 from tests.tiers import needs_interop
@@ -51,10 +51,10 @@ def area(corners):
 
 
 def test_an_outline_is_the_convex_hull_of_discs():
-    square = outline([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0.3, 0.6, 0), (0.5, 0, 0)])
+    square = outline_of_discs([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0.3, 0.6, 0), (0.5, 0, 0)])
     assert area(square) == pytest.approx(1.0)
     assert len(square) == 4
-    capsule = outline([(0.0, 0.0, 0.1), (1.0, 0.0, 0.1)])
+    capsule = outline_of_discs([(0.0, 0.0, 0.1), (1.0, 0.0, 0.1)])
     assert area(capsule) == pytest.approx(0.2 + np.pi * 0.1**2, rel=0.01)
 
 
@@ -115,8 +115,8 @@ def test_points_are_told_by_their_names_and_sliders_as_such(cart):
     groups = point_groups(run, marks_of(run)[1])
     assert [name for name, *_ in groups] == ["point 3 (heel)", "point 4 (toe)", "point 6"]
     assert "  3 (heel)  " in str(run)
-    assert [impact["what"] for impact in data(run)["impacts"]] == names
-    assert data(run)["pointNames"] == [(3, "heel"), (4, "toe")]
+    assert [impact["what"] for impact in data_of_page(run)["impacts"]] == names
+    assert data_of_page(run)["pointNames"] == [(3, "heel"), (4, "toe")]
     assert "slider  slider_max" in str(cart)
     few = simulate(cart.scene, 0.5, output=["slider.position"])
     assert few.touching_part(few.impacts[0]) == "slider"
@@ -153,7 +153,7 @@ def test_numbers_at_a_sliders_stops_are_beyond_their_marks():
 
 
 def test_a_page_has_bodies_and_the_line_of_a_slider(run):
-    contents = data(run)
+    contents = data_of_page(run)
     assert contents["links"] == 1
     assert contents["pointCount"] == run.all_points.shape[1]
     assert [link for link, _ in contents["bodies"]] == [*run.outlines]

@@ -5,7 +5,7 @@ from collections import Counter
 
 import pytest
 
-from chain_impact.variables.units import UNITS, quotient, sorted_units, unit_of
+from chain_impact.variables.units import UNITS, sorted_units, unit_of, unit_of_derivative
 
 # derived units in kg, m, s
 DERIVED = {"N": {"kg": 1, "m": 1, "s": -2}, "J": {"kg": 1, "m": 2, "s": -2}, "Hz": {"s": -1}, "1": {}}
@@ -32,7 +32,7 @@ def test_a_unit_has_the_powers_that_its_name_says():
 
 def test_a_quotient_is_written_as_one():
     pairs = [("m", "kg"), ("N.m", "m/s"), ("m", "1"), ("m", "m"), ("1", "1")]  # 1: a number without a unit
-    assert [quotient(*pair) for pair in pairs] == ["m/(kg)", "N.m/(m/s)", "m", "1", "1"]
+    assert [unit_of_derivative(*pair) for pair in pairs] == ["m/(kg)", "N.m/(m/s)", "m", "1", "1"]
 
 
 @pytest.mark.parametrize(

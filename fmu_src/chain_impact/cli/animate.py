@@ -71,7 +71,7 @@ def add(verbs: Verbs) -> None:
     )
     verb.add_argument(
         "--size",
-        type=size,
+        type=parsed_film_size,
         default=FILM_SIZE,
         metavar="WIDTHxHEIGHT",
         help=f"size of a film in pixels; default: {FILM_SIZE[0]}x{FILM_SIZE[1]}",
@@ -80,7 +80,7 @@ def add(verbs: Verbs) -> None:
     verb.set_defaults(run=run)
 
 
-def size(text: str) -> tuple[int, int]:
+def parsed_film_size(text: str) -> tuple[int, int]:
     """Return width and height [pixels] from a text such as 960x540; both must be LEAST_SIDE … MOST_SIDE."""
     width, cross, height = text.lower().partition("x")
     if not (cross and width.isdecimal() and height.isdecimal()):
@@ -101,7 +101,7 @@ def run(options: argparse.Namespace) -> int:
         raise UsageError("--style: a page follows the browser, only a film has a style: give -o FILE.gif")
     fault = None
     try:
-        recording = record(options)
+        recording = recording_of(options)
     except RunError as error:
         if error.recording is None:
             raise
@@ -122,7 +122,7 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def record(options: argparse.Namespace) -> Recording:
+def recording_of(options: argparse.Namespace) -> Recording:
     """Return the recording of the command's source: a new run of a scene or an FMU, or the run in a CSV file.
 
     A scene is simulated with more rows near impacts, for slow motion. An FMU gives a row for each

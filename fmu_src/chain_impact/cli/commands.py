@@ -68,7 +68,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     prepare_console()
     grammar = parser()
-    completion.answer(grammar)
+    completion.print_completions(grammar)
     options = grammar.parse_args(arguments)
     if options.run is None:
         say(FIRST_STEPS)

@@ -43,7 +43,7 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def answer(grammar: argparse.ArgumentParser) -> None:
+def print_completions(grammar: argparse.ArgumentParser) -> None:
     """If a shell asks for completions, print these and end the program; otherwise do nothing.
 
     ``grammar`` is the parser of the command line.

@@ -18,8 +18,8 @@ from chain_impact.cli.options import (
     check_outputs,
     complete_scenes,
     names_between_commas,
-    pairs,
     settings_of,
+    values_by_name,
     write_picture,
 )
 from chain_impact.cli.printing import say
@@ -97,7 +97,7 @@ def run(options: argparse.Namespace) -> int:
     check_outputs(options.scene, options.plot, inputs=[options.source, *chain.from_iterable(data)])
     settings = settings_of(options.set)
     scene = with_settings(load_scene(options.source), settings)
-    set_each = pairs("--set-each", options.set_each, "initial.y=0.8,0.6")
+    set_each = values_by_name("--set-each", options.set_each, "initial.y=0.8,0.6")
     with progress("fitting") as advance:
         result = fit(
             scene,
@@ -105,8 +105,8 @@ def run(options: argparse.Namespace) -> int:
             names_between_commas(*options.free),
             free_each=names_between_commas(*options.free_each),
             set_each={name: parsed_numbers(name, text) for name, text in set_each.items()},
-            sigma=pairs("--sigma", options.sigma, "point[4].x=1e-3"),
-            bounds=pairs("--bounds", options.bounds, "contact.restitution=0.3:0.9"),
+            sigma=values_by_name("--sigma", options.sigma, "point[4].x=1e-3"),
+            bounds=values_by_name("--bounds", options.bounds, "contact.restitution=0.3:0.9"),
             columns=names_between_commas(options.columns) if options.columns else None,
             laws=options.laws,
             stop_time=scene.simulation.stop_time if STOP_TIME_KEY in settings else None,

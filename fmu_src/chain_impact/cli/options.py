@@ -85,7 +85,11 @@ def complete_scenes(argument: argparse.Action) -> None:
 def add_set(command: argparse.ArgumentParser) -> None:
     """Add ``--set``, and ``--stop-time`` as a short form of ``--set simulation.stop_time``."""
     help_text = "set a value by a name that `info` lists"
-    complete(add_repeated(command, "--set", "NAME=VALUE", help_text, type=setting), settings, is_valued=True)
+    complete(
+        add_repeated(command, "--set", "NAME=VALUE", help_text, type=checked_setting),
+        settings,
+        is_valued=True,
+    )
     command.add_argument(
         "--stop-time",
         action="append",
@@ -313,7 +317,7 @@ def path_with_suffix(*suffixes: str) -> Callable[[str], Path]:
     return file
 
 
-def setting(text: str) -> str:
+def checked_setting(text: str) -> str:
     """Return ``text``, the value ``NAME=VALUE`` of ``--set``; refuse a text without ``=``.
 
     With ``--set NAME VALUE``, the text is NAME; if it were accepted, argparse would take VALUE for the scene.
@@ -339,7 +343,7 @@ def name_and_value(option: str, text: str, example: str) -> tuple[str, str]:
     return name, value
 
 
-def pairs(option: str, texts: Sequence[str], example: str) -> dict[str, str]:
+def values_by_name(option: str, texts: Sequence[str], example: str) -> dict[str, str]:
     """Return name → value as text, from texts ``NAME=VALUE`` of an option; refuse a name that is given twice.
 
     ``example`` is an example of such a text, for the error.

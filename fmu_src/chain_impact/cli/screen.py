@@ -139,7 +139,7 @@ def summary(recording: Recording) -> Iterator[RenderableType]:
     yield headline_lines(recording.name, f"  0 … {recording.time[-1]:g} s, {impacts}")
     for part in with_screen_tables(impact_list(recording, LISTED_IMPACTS)):
         yield f"{part}; --impacts FILE writes all" if isinstance(part, str) else part
-    yield from meanings(recording)
+    yield from impact_table_notes(recording)
     yield from passed_wall_lines(recording)
     yield from stick_slip_parts(recording)
     yield from rest_lines(recording)
@@ -159,7 +159,7 @@ def with_screen_tables(parts: Iterable[str | TextTable]) -> Iterator[RenderableT
         yield table
 
 
-def meanings(recording: Recording) -> Iterator[str]:
+def impact_table_notes(recording: Recording) -> Iterator[str]:
     """Yield lines that explain the numbers of points and the names of walls in the table of impacts.
 
     If the peak force of some impacts, but not of all, is unknown, as in the recording of an FMU, a further

@@ -22,8 +22,8 @@ from chain_impact.cli.options import (
     check_outputs,
     load_scene_of,
     names_between_commas,
-    pairs,
     settings_of,
+    values_by_name,
     write_picture,
 )
 from chain_impact.cli.printing import complain, say
@@ -141,7 +141,7 @@ def variations(texts: Sequence[str], settings: dict[str, str]) -> dict[str, str]
 
     A name that is also in ``settings``, those of ``--set``, is refused.
     """
-    vary = pairs("--vary", texts, "contact.restitution=0.1:0.9:9")
+    vary = values_by_name("--vary", texts, "contact.restitution=0.1:0.9:9")
     for name in vary.keys() & settings.keys():
         raise UsageError(f"--vary {name}={vary[name]}: {name} is given twice")
     if not vary:

@@ -14,7 +14,7 @@ import numpy as np
 
 from chain_impact.conversion.differences import Difference, SceneAspect, joint_difference
 from chain_impact.conversion.mjcf_contacts import Contacts
-from chain_impact.conversion.mjcf_couplings import couplings
+from chain_impact.conversion.mjcf_couplings import coupling_differences
 from chain_impact.conversion.mjcf_drives import ActuatorReader
 from chain_impact.conversion.mjcf_fields import flag_notes, unsupported_fields
 from chain_impact.conversion.mjcf_files import CompiledModel, collect_mujoco_warnings, compile_model
@@ -123,7 +123,7 @@ class _Reader:
         has_no_gravity = self._disables("GRAVITY")
         self.differences += [
             *self.drives.differences,
-            *couplings(self.mujoco, model),
+            *coupling_differences(self.mujoco, model),
             *unsupported_fields(model),
             *self.contacts.differences(),
             *self._other_elements(),

@@ -37,7 +37,7 @@ def joints_between(model: Any, bodies: Sequence[int]) -> frozenset[str]:
     return frozenset(model.joint(j).name or f"{j}" for j in joints)
 
 
-def couplings(mujoco: Any, model: Any) -> Iterator[Difference]:
+def coupling_differences(mujoco: Any, model: Any) -> Iterator[Difference]:
     """Yield a difference for each active equality, each tendon with an effect, and each flex of a model."""
     flags, bits = model.opt.disableflags, mujoco.mjtDisableBit
     disabled_names = {

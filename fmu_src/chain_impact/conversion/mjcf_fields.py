@@ -203,7 +203,7 @@ FIELD_REMARKS = (
 
 def unsupported_fields(model: Any) -> Iterator[Difference]:
     """Yield a difference for each element that FIELD_REMARKS reports, and unknown fields that are not 0."""
-    values = dict(fields(model))
+    values = dict(fields_of_model(model))
     counts = {kind: count(model) for kind, count in COUNTS.items()}
     for row in FIELD_REMARKS:
         if not counts[row.kind]:
@@ -267,7 +267,7 @@ def treatments(field: str) -> list[str]:
     return field_uses or list(patterns)
 
 
-def fields(model: Any) -> Iterator[tuple[str, Any]]:
+def fields_of_model(model: Any) -> Iterator[tuple[str, Any]]:
     """Yield name and value of each field of a model, and of its options, which have names ``opt.<name>``."""
     for prefix, part in (("", model), ("opt.", model.opt)):
         for name in dir(part):

@@ -88,7 +88,7 @@ def reference_files(prepared_scene: PreparedScene) -> dict[str, bytes]:
     The result is empty if no results are reliable, or if the chain cannot start or take its first step.
     """
     try:
-        solution = reference(prepared_scene)
+        solution = reference_results(prepared_scene)
     except SimulationError as error:
         log.info("no reference results in the FMU: %s", error)
         return {}
@@ -107,7 +107,7 @@ def reference_files(prepared_scene: PreparedScene) -> dict[str, bytes]:
     return {REFERENCE_FILE: text.getvalue().encode()}
 
 
-def reference(prepared_scene: PreparedScene) -> Reference:
+def reference_results(prepared_scene: PreparedScene) -> Reference:
     """Return some outputs of a scene at REFERENCE_TOLERANCE, up to the time until which they are reliable.
 
     Outputs are reliable until a run at the scene's own tolerance deviates from them (LARGEST_DEVIATION). If

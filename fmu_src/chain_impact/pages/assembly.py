@@ -43,7 +43,7 @@ def assemble_page(template: str, title: str, styles: Iterable[str], modules: str
         template: HTML in which ``{{ name }}`` stands for a part.
         title: the title of the page.
         styles: the texts of the style sheets.
-        modules: the program of the page, from ``program``.
+        modules: the program of the page, from ``program_text``.
         parts: name → text for the other parts of the template.
     """
     scripts_text = "\n".join(
@@ -60,12 +60,12 @@ def assemble_page(template: str, title: str, styles: Iterable[str], modules: str
     return re.sub(r"\{\{ (\w+) \}\}", lambda match: parts[match[1]], template)
 
 
-def styles() -> list[str]:
+def style_texts() -> list[str]:
     """Return the texts of the style sheets of a page with a player."""
     return [browser_text(name) for name in STYLES]
 
 
-def program(*names: str) -> str:
+def program_text(*names: str) -> str:
     """Return the script of some modules, after the constants that all pages share.
 
     ``names``: the files of the modules in pages/browser; the modules that these import are added.

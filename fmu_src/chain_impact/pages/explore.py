@@ -16,8 +16,8 @@ from chain_impact.pages.assembly import (
     assemble_page,
     browser_text,
     joined_script,
-    program,
-    styles,
+    program_text,
+    style_texts,
 )
 from chain_impact.pages.encoding import base64_text
 from chain_impact.pages.inline import InlinePage
@@ -78,13 +78,13 @@ def explore_page(scene: Scene, command: Sequence[str]) -> str:
     return assemble_page(
         browser_text("explore/explore.html"),
         scene.name,
-        [*styles(), browser_text("explore/explore.css")],
-        program(PROGRAM),
+        [*style_texts(), browser_text("explore/explore.css")],
+        program_text(PROGRAM),
         data=compressed_text(json.dumps(explore_contents(scene, command), separators=(",", ":")).encode()),
         begin=joined_script(BEGIN),
         kernel=compressed_text(module),
         toml=STRIPPED_FROM_SCRIPTS.sub("", browser_text(TOML)),
-        worker=compressed_text(program(WORKER).encode()),
+        worker=compressed_text(program_text(WORKER).encode()),
     )
 
 

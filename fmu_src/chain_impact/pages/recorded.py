@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.pages.assembly import assemble_page, browser_text, program, script_data, styles
+from chain_impact.pages.assembly import assemble_page, browser_text, program_text, script_data, style_texts
 from chain_impact.pages.drawn_outputs import IMPACT_QUANTITIES, drawn_entries
 from chain_impact.pages.encoding import base64_text
 from chain_impact.pages.shared import FINEST
@@ -34,10 +34,10 @@ def recorded_page(recording: Recording, speed: float, impact_time: float) -> str
         speed: the speed at which the recording plays at first; 1 is real time.
         impact_time: the time [s] that an impact takes on the screen; 0 for no slow motion.
     """
-    shown_data = data(thin_rows(recording, impact_time)) | {"speed": speed, "impactTime": impact_time}
+    shown_data = data_of_page(thin_rows(recording, impact_time)) | {"speed": speed, "impactTime": impact_time}
     template = browser_text("player/recorded_page.html")
     return assemble_page(
-        template, recording.name, styles(), program(RECORDED_PROGRAM), data=script_data(shown_data)
+        template, recording.name, style_texts(), program_text(RECORDED_PROGRAM), data=script_data(shown_data)
     )
 
 
@@ -61,7 +61,7 @@ def thin_rows(recording: Recording, impact_time: float) -> Recording:
     )
 
 
-def data(recording: Recording) -> dict[str, Any]:
+def data_of_page(recording: Recording) -> dict[str, Any]:
     """Return the data that ``player/packed_recording.js`` reads, with the accuracy that the screen needs."""
     points = recording.all_points
     return {
@@ -77,7 +77,7 @@ def data(recording: Recording) -> dict[str, Any]:
             ]
             for group, entries in drawn_entries(recording.columns).items()
         },
-        "impacts": impacts(recording),
+        "impacts": impacts_of_page(recording),
         "walls": free_sides(recording.walls),
         "gravity": {name: recording.parameters.get(name) for name in ("gravity.x", "gravity.y")},
         "moved": {name: _packed_numbers(wall_motion) for name, wall_motion in recording.moved_walls.items()},
@@ -93,7 +93,7 @@ def data(recording: Recording) -> dict[str, Any]:
     }
 
 
-def impacts(recording: Recording) -> list[dict[str, Any]]:
+def impacts_of_page(recording: Recording) -> list[dict[str, Any]]:
     """Return the impacts of a recording in the form of the page; unknown values are None."""
     rows = zip(
         recording.impacts,

@@ -23,7 +23,7 @@ from chain_impact.pictures.over_time.single_impact import shown_contact
 from chain_impact.pictures.texts.headline import hit_text
 from chain_impact.recording.impact_course import ImpactCourse
 from chain_impact.recording.impact_texts import speed_unit
-from chain_impact.recording.impacts import lasts
+from chain_impact.recording.impacts import lasts_to_end
 from chain_impact.recording.recording import Recording
 from chain_impact.text import prefixed_unit
 
@@ -98,7 +98,7 @@ def duration_text(impact: np.void, course: ImpactCourse) -> str:
     """Return words for the duration of a contact: "lasts 3.2 ms", "lasts to the end, for 1.5 s"."""
     duration = float(np.ptp(course.time)) if len(course.time) else 0.0
     text = force_text(duration, "s") if duration > 0.0 else "0 s"
-    return f"lasts to the end, for {text}" if lasts(impact) else f"lasts {text}"
+    return f"lasts to the end, for {text}" if lasts_to_end(impact) else f"lasts {text}"
 
 
 def draw_loop(axes: Axes, impact: np.void, course: ImpactCourse, *, is_at_stop: bool) -> None:
@@ -115,7 +115,7 @@ def draw_loop(axes: Axes, impact: np.void, course: ImpactCourse, *, is_at_stop: 
     label = f"{restitution_text(impact)}\n{course.energy_lost:.3g} J lost by the chain"
     x, y = depth_factor * depth, force_factor * force
     axes.plot(x, y, color=VERMILLION, label=label)
-    if not lasts(impact):
+    if not lasts_to_end(impact):
         axes.fill(x, y, color=VERMILLION, alpha=0.15, linewidth=0.0)
     elif len(x):
         axes.plot(x[-1], y[-1], "o", color=VERMILLION, markersize=LASTING_DOT, label="at the end")
@@ -165,7 +165,7 @@ def impact_conditions(impact: np.void, course: ImpactCourse, is_at_stop: bool) -
         duration_text(impact, course),
         f"{course.energy_lost:.3g} J lost by the chain",
     ]
-    parts = parts[1:] if lasts(impact) else parts
+    parts = parts[1:] if lasts_to_end(impact) else parts
     parts.append(f"{impact['impact_speed']:.4g} {speed_unit(is_at_stop)} at the onset")
     if impact["peak_force"] > 0.0:
         load_word, unit = ("moment", "N·m") if is_at_stop else ("force", "N")

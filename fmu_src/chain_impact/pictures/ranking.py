@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from chain_impact.pictures.bars import Bars, axis_ends, bars_size, draw_bar_figure
 from chain_impact.recording.sensitivity import EXPONENT_NOTE, RELATIVE_STEP
-from chain_impact.recording.summary import digits
+from chain_impact.recording.summary import four_digits_text
 from chain_impact.scene.texts.plain_names import plain_name
 from chain_impact.scene.texts.unit_text import bracketed_unit, with_unit
 from chain_impact.study_data.ranking.effects import (
@@ -80,7 +80,7 @@ def _headline(ranking: RankedEffects, drawn_effects: Sequence[Effect]) -> str:
     Of an effect that a run has checked, the change in the run counts.
     """
     factor, unit = readable_unit(abs(ranking.value), ranking.unit)
-    value, quantity = with_unit(digits(factor * ranking.value), unit), _quantity_text(ranking)
+    value, quantity = with_unit(four_digits_text(factor * ranking.value), unit), _quantity_text(ranking)
     if not drawn_effects:
         return f"no effect on {quantity} = {value}"
     alike_effects = [effect for effect in drawn_effects if bool(effect.value) == bool(drawn_effects[0].value)]

@@ -6,7 +6,7 @@ import numpy as np
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
 from chain_impact.recording.impact_course import HasRerun, ImpactCourse
-from chain_impact.recording.impacts import lasts
+from chain_impact.recording.impacts import lasts_to_end
 from chain_impact.recording.recording import Recording
 
 # the least time, relative to the run's duration, that is visible: a contact that does not last longer is no
@@ -30,7 +30,7 @@ def contact_ends(recording: Recording) -> np.ndarray:
     A contact that lasts to the end of the recording gets this end; any other unknown end becomes the onset.
     """
     impacts = recording.impacts
-    ends = np.where(lasts(impacts), recording.time[-1], impacts["end"])
+    ends = np.where(lasts_to_end(impacts), recording.time[-1], impacts["end"])
     return np.asarray(np.where(np.isnan(ends), impacts["onset"], ends))
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from chain_impact.recording.impact_course import RepeatableRun
-from chain_impact.recording.impacts import lasts
+from chain_impact.recording.impacts import lasts_to_end
 from chain_impact.recording.pacing import impact_ends
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.errors import RefusalError, names_matching
@@ -104,7 +104,7 @@ def curves_of(
     chosen_names = list(
         dict.fromkeys(name for names_of_pattern in matching_names for name in names_of_pattern)
     )
-    onset, low, high = window(recording, around)
+    onset, low, high = close_view_times(recording, around)
     time = recording.time
     if rerun:
         window_times = time[(time >= low) & (time <= high)]
@@ -146,7 +146,7 @@ def refine_times(
 
     time, curve_values = compute_curves(time)
     for _ in range(ROUNDS):
-        bent = bends(time, [curve_values[name] for name in names if name in curve_values])
+        bent = has_bends(time, [curve_values[name] for name in names if name in curve_values])
         inner_times = np.linspace(time[:-1][bent], time[1:][bent], PARTS + 1)[1:-1]
         more_times = np.unique(np.concatenate([time, inner_times.ravel()]))
         if len(more_times) == len(time) or len(more_times) > MOST_TIMES:
@@ -155,7 +155,7 @@ def refine_times(
     return time, curve_values
 
 
-def bends(time: np.ndarray, curves: Iterable[np.ndarray]) -> np.ndarray:
+def has_bends(time: np.ndarray, curves: Iterable[np.ndarray]) -> np.ndarray:
     """Return, for each interval between successive times, whether a curve bends at an end of the interval.
 
     The shape is (T − 1,). A curve bends at a time if its value there deviates from the straight line through
@@ -174,7 +174,7 @@ def bends(time: np.ndarray, curves: Iterable[np.ndarray]) -> np.ndarray:
     return bent
 
 
-def window(recording: Recording, impact_number: int | None) -> tuple[float | None, float, float]:
+def close_view_times(recording: Recording, impact_number: int | None) -> tuple[float | None, float, float]:
     """Return the onset of an impact, and start and end of its close view, all in [s].
 
     ``impact_number`` is the number of the impact, from 1. If it is None, the onset is None, and the view is
@@ -192,7 +192,7 @@ def window(recording: Recording, impact_number: int | None) -> tuple[float | Non
         raise RefusalError(requirement, source=recording.name, argument="around", value=repr(impact_number))
     impact = recording.impacts[impact_number - 1]
     onset, run_duration = float(impact["onset"]), end - start
-    duration = LASTING_SHARE * run_duration if lasts(impact) else float(impact["end"]) - onset
+    duration = LASTING_SHARE * run_duration if lasts_to_end(impact) else float(impact["end"]) - onset
     pulse = float(impact_ends(recording.impacts[[impact_number - 1]], end)[0]) - onset
     if 0.0 < LEAST_PULSES * pulse < duration:
         duration = pulse

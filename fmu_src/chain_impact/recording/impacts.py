@@ -123,7 +123,7 @@ def common_count(first_impacts: np.ndarray, second_impacts: np.ndarray) -> int:
     return next(different_rows, min(map(len, pairs)))
 
 
-def lasts(impacts: np.ndarray | np.void) -> Any:
+def lasts_to_end(impacts: np.ndarray | np.void) -> Any:
     """Return for each contact whether it lasts to the end of the simulation.
 
     The end of such a contact is NaN, but its peak force is known. If the peak force is NaN, too, the outputs

@@ -72,7 +72,7 @@ def slow_spans(recording: Recording) -> list[Span]:
     return sorted(zip(impacts["onset"][fastest_rows].tolist(), ends[fastest_rows].tolist(), strict=True))
 
 
-def rate(time: np.ndarray, spans: Sequence[Span], impact_time: float) -> np.ndarray:
+def rates_over_time(time: np.ndarray, spans: Sequence[Span], impact_time: float) -> np.ndarray:
     """Return the rate at each time, simulated seconds per second on the screen, shape (T,).
 
     The rate is 1 far from impacts. During an impact that is shorter than ``impact_time``, the rate is the
@@ -150,7 +150,7 @@ def frame_times(
     for onset, end in ((a, max(b, a + LEAST_DURATION)) for a, b in shown_spans):
         parts += [onset - ramp_length, onset + (end - onset) * CONTACT_SHARES, end + ramp_length]
     grid = np.unique(np.concatenate(parts).clip(start, end_time))
-    slowness = 1.0 / rate(grid, shown_spans, impact_time)
+    slowness = 1.0 / rates_over_time(grid, shown_spans, impact_time)
     # the time on the screen is the integral of 1/rate over the simulated time, by the trapezoidal rule
     screen = np.concatenate([[0.0], np.cumsum(np.diff(grid) * (slowness[1:] + slowness[:-1]) / 2)])
     frames = min(most_frames, 2 + int(screen[-1] * usual_rate))

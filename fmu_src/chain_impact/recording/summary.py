@@ -9,7 +9,7 @@ import numpy as np
 
 from chain_impact.kernel.record.constants import STICKS
 from chain_impact.kernel.status import OK, STATUS_TEXT
-from chain_impact.recording.impacts import lasts
+from chain_impact.recording.impacts import lasts_to_end
 from chain_impact.recording.joint_peaks import EXACT_PEAK, SAMPLED_PEAK, joint_peaks
 from chain_impact.recording.joint_stops import is_scene_joint_stop
 from chain_impact.recording.recording import Recording
@@ -137,8 +137,13 @@ def impact_cells(result: Recording, impact: np.void) -> tuple[str, ...]:
     """
     point = result.touching_part(impact).removeprefix("point ")
     speed_text, duration_text = f"{impact['impact_speed']:.4f}", _peak_text(1e3 * impact["duration"])
-    duration_text = LASTING_TEXT if lasts(impact) else duration_text
-    values = (speed_text, duration_text, _peak_text(impact["peak_force"]), digits(impact["impulse"]))
+    duration_text = LASTING_TEXT if lasts_to_end(impact) else duration_text
+    values = (
+        speed_text,
+        duration_text,
+        _peak_text(impact["peak_force"]),
+        four_digits_text(impact["impulse"]),
+    )
     joint = (_peak_text(impact["joint_force"]), str(impact["joint"] or NO_NUMBER))
     loads = joint if result.knows_joint_forces else ()
     return (f"{impact['onset']:.6f}", point, result.wall_names[impact["wall"]], *values, *loads)
@@ -146,10 +151,10 @@ def impact_cells(result: Recording, impact: np.void) -> tuple[str, ...]:
 
 def _peak_text(value: float) -> str:
     """Return the text of a peak force or a duration; a dash if it is unknown or, as at a rigid wall, 0."""
-    return digits(value) if value else NO_NUMBER
+    return four_digits_text(value) if value else NO_NUMBER
 
 
-def digits(value: float) -> str:
+def four_digits_text(value: float) -> str:
     """Return a number rounded to four digits, from 1e-4 to a million without exponent; a dash for NaN."""
     if np.isnan(value):
         return NO_NUMBER
@@ -170,7 +175,8 @@ def load_lines(result: Recording) -> Iterator[str]:
         if kind != EXACT_PEAK:
             yield f"{beginning}, by {time:g} s"
             continue
-        onset, end = result.impacts["onset"], np.where(lasts(result.impacts), np.inf, result.impacts["end"])
+        onset = result.impacts["onset"]
+        end = np.where(lasts_to_end(result.impacts), np.inf, result.impacts["end"])
         numbers = [str(n + 1) for n in ((onset <= time) & (time <= end) & (onset < end)).nonzero()[0]]
         during_text = (
             f", during impact{'s' * (len(numbers) > 1)} {names_text(numbers, NAMED_IMPACTS)}"

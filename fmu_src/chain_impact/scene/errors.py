@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Iterable
 from typing import Any
 
 from chain_impact.deprecated import OlderName
-from chain_impact.scene.rules.refusals import sentence
+from chain_impact.scene.rules.refusals import refusal_sentence
 from chain_impact.scene.texts.names import DataPath, fmu_name, path_text
 from chain_impact.scene.texts.similar_names import nearest_hint
 
@@ -108,7 +108,7 @@ def refusal(path: DataPath, fault: str, **template_values: object) -> SceneError
 
     ``template_values`` replace the words in braces in the sentence.
     """
-    text, value = sentence(fault, **template_values), str(template_values.get("value", ""))
+    text, value = refusal_sentence(fault, **template_values), str(template_values.get("value", ""))
     begins_with_value = text.startswith(f"= {value}") and value
     return error_at(path, *((text[len(f"= {value}") :].lstrip(), value) if begins_with_value else (text,)))
 

@@ -110,7 +110,7 @@ class Scene(SceneContents):
 
     def _repr_html_(self) -> str:
         """Return HTML for a notebook: the text of ``repr``, and a small drawing of the chain at its start."""
-        return f"<div>{drawing.svg(self, self.values)}<pre>{escape(repr(self))}</pre></div>"
+        return f"<div>{drawing.scene_svg(self, self.values)}<pre>{escape(repr(self))}</pre></div>"
 
 
 def scene_keys() -> Iterator[tuple[str, Field[Any]]]:
@@ -162,7 +162,7 @@ def scene_from_dict(data: Mapping[str, Any], source: str) -> Scene:
     scene.
     """
     scene = _validated_scene(data, source, in_file=True)
-    warn(source, checks.hints(scene))
+    warn(source, checks.scene_hints(scene))
     return scene
 
 
@@ -189,7 +189,7 @@ def _validated_scene(data: Mapping[str, Any], source: str, in_file: bool) -> Sce
         scene = reader.read(data)
         scene = replace(scene, derived_paths=tuple(sorted(paths_in_scene(reader.derived, data))))
         scene = complete_scene.completed_scene(scene, Path(source).parent)
-        checks.check(scene)
+        checks.check_scene(scene)
     except SceneError as error:
         # an error of the reader has a path in the data; a later error has a path in the scene, in which an
         # entry with a count has become several links
@@ -250,8 +250,8 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[tuple[A
     except SceneError as error:
         error.name = as_typed(error.name, changes)
         raise
-    hints_before = checks.hints(scene)
-    warn(scene.name, [hint for hint in checks.hints(changed_scene) if hint not in hints_before])
+    hints_before = checks.scene_hints(scene)
+    warn(scene.name, [hint for hint in checks.scene_hints(changed_scene) if hint not in hints_before])
     return changed_scene
 
 

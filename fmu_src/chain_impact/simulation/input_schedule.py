@@ -25,7 +25,7 @@ from chain_impact.simulation.motions import (
     as_function,
     channels_of,
     contradictions,
-    jumps,
+    has_jumps_of_order,
     made_continuous,
     motion_of,
     refuse_jumping_samples,
@@ -185,8 +185,8 @@ def input_schedule(prepared_scene: PreparedScene, inputs: NamedInputs, times: np
         pieces = made_continuous(pieces, motion_columns)
     begin = pieces.start[1:]
     all_times = np.union1d(grid_times, begin)
-    belt_jumps = np.asarray(jumps(pieces, motion_columns[belts], 1).any(axis=1))
-    bends = jumps(pieces, motion_columns, 2).any(axis=1)
+    belt_jumps = np.asarray(has_jumps_of_order(pieces, motion_columns[belts], 1).any(axis=1))
+    bends = has_jumps_of_order(pieces, motion_columns, 2).any(axis=1)
     paths = {variable.name: variable.record_path for variable in prepared_scene.inputs}
     return InputSchedule(
         times=all_times,

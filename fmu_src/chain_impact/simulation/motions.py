@@ -205,18 +205,18 @@ def _integrate(
         piece_numbers = np.clip(np.searchsorted(pieces.start, times, side="right") - 1, 0, None)
         return np.asarray(offsets[piece_numbers] + from_middle(times, piece_numbers))
 
-    bends = jumps(pieces, np.array([0]), 0) | jumps(pieces, np.array([0]), 1)
+    bends = has_jumps_of_order(pieces, np.array([0]), 0) | has_jumps_of_order(pieces, np.array([0]), 1)
     return integral, np.union1d(breaks, pieces.start[bends[:, 0]])
 
 
-def derivatives(pieces: Pieces, order: int) -> np.ndarray:
+def derivatives_of_order(pieces: Pieces, order: int) -> np.ndarray:
     """Return the derivatives of one ``order`` of M signals at start and end of P pieces, shape (2, P, M)."""
     return np.stack(
         [pieces.derivatives_at(times, slice(None), order) for times in (pieces.start, pieces.end)]
     )
 
 
-def jumps(pieces: Pieces, columns: np.ndarray, order: int) -> np.ndarray:
+def has_jumps_of_order(pieces: Pieces, columns: np.ndarray, order: int) -> np.ndarray:
     """Return whether the derivative of one ``order`` of K motions jumps at the start of P pieces.
 
     The shape is (P, K). The result is False for the first piece, and for all pieces if the last piece has no
@@ -225,7 +225,7 @@ def jumps(pieces: Pieces, columns: np.ndarray, order: int) -> np.ndarray:
     jumping = np.zeros((len(pieces.start), len(columns)), bool)
     if not len(columns) or not math.isfinite(pieces.end[-1]):
         return jumping
-    ends = derivatives(pieces, order)[:, :, columns]
+    ends = derivatives_of_order(pieces, order)[:, :, columns]
     # bound of the derivative of order k of s = Σ c_p x^p: |s⁽ᵏ⁾| ≤ Σ p!/(p − k)! |c_p| scaleᵏ, for |x| ≤ 1
     orders = np.array([math.perm(p, order) for p in range(pieces.powers.shape[1])])
     bounds = np.einsum("p,npm,n->nm", orders, np.abs(pieces.powers), pieces.scale**order)
@@ -243,8 +243,8 @@ def refuse_jumps(
         SceneError: when the position or velocity of a base or wall jumps.
     """
     for order, word in enumerate(("position", "velocity")):
-        for k in np.flatnonzero((jumps(pieces, columns, order) & ~belts).any(axis=0)):
-            time = pieces.start[jumps(pieces, columns, order)[:, k]][0]
+        for k in np.flatnonzero((has_jumps_of_order(pieces, columns, order) & ~belts).any(axis=0)):
+            time = pieces.start[has_jumps_of_order(pieces, columns, order)[:, k]][0]
             remedy = "give a velocity, a smooth function, or samples, which are joined smoothly"
             raise SceneError(
                 f"{source}: {motions[int(k)].name}: the {word} jumps at t = {time:.9g} s, which would be an "
@@ -275,13 +275,13 @@ def made_continuous(pieces: Pieces, columns: np.ndarray) -> Pieces:
     before. Where the speed of a belt jumps, v is 0. ``columns`` are the indices of the motions among the
     signals of the pieces.
     """
-    ends = [derivatives(pieces, order)[:, :, columns] for order in range(2)]
+    ends = [derivatives_of_order(pieces, order)[:, :, columns] for order in range(2)]
     x0, x1 = (
         ((edges - pieces.middle) * pieces.scale)[1:, np.newaxis] for edges in (pieces.start, pieces.end)
     )
     lasted = ((x1 - x0).T / pieces.scale[1:]).T
     s = ends[0][1, :-1] - ends[0][0, 1:]
-    v = np.where(jumps(pieces, columns, 1)[1:], 0.0, lasted * (ends[1][1, :-1] - ends[1][0, 1:]))
+    v = np.where(has_jumps_of_order(pieces, columns, 1)[1:], 0.0, lasted * (ends[1][1, :-1] - ends[1][0, 1:]))
     # r is a linear function of the argument x of the piece: r = p x + q
     p, q = 1.0 / (x1 - x0), -x0 / (x1 - x0)
     slope = (INPUT_DEGREE - 1) * s + v
@@ -310,7 +310,7 @@ def contradictions(
     for channel, column in zip(channels, columns, strict=True):
         names = [name for name in channel.names if name in given_inputs]
         if channel.position in names and channel.position.startswith("base."):
-            positions = derivatives(pieces, 0)[0, :, column]
+            positions = derivatives_of_order(pieces, 0)[0, :, column]
             start = positions[0]
             round_off = max(ALLOWED_OVERLAP, START_POSITION_ROUND_OFF * np.abs(positions).max())
             deviation = abs(start - channel.start)
@@ -319,7 +319,7 @@ def contradictions(
         for name in names[1:]:
             order = channel.names.index(name)
             value, _ = as_function(name, given_inputs[name], called, sample_join="spline")
-            values = derivatives(pieces, order)[0, :, column]
+            values = derivatives_of_order(pieces, order)[0, :, column]
             data = np.asarray(value(pieces.start))
             k = int(np.abs(data - values).argmax())
             if abs(data[k] - values[k]) > LEAST_CONTRADICTION * max(np.abs(data).max(), np.abs(values).max()):

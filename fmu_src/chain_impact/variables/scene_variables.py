@@ -21,7 +21,7 @@ from chain_impact.variables.outputs import INPUTS, OUTPUTS
 from chain_impact.variables.owners import Owner
 from chain_impact.variables.parameters import LAWS, METHODS, PARAMETERS
 from chain_impact.variables.structure import Structure, structure_of
-from chain_impact.variables.units import quotient
+from chain_impact.variables.units import unit_of_derivative
 from chain_impact.variables.variable import Item, Variable
 
 KEPT_STRUCTURES = 64  # largest number of structures of scenes whose lists of outputs are cached
@@ -126,7 +126,7 @@ def derivatives_of(outputs: Sequence[Variable], variables: Sequence[Variable]) -
                 kind=kinds[output.kind.name],
                 name=sensitivity_name(output.name, parameter.name),
                 variability="continuous",
-                unit=quotient(output.unit, parameter.unit),
+                unit=unit_of_derivative(output.unit, parameter.unit),
                 description=f"derivative of {output.name} with respect to {parameter.name}",
                 record_path=(TANGENTS, tangent, *output.record_path, "slope", direction),
                 base_at_rest=output.base_at_rest,

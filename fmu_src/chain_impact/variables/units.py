@@ -46,7 +46,7 @@ UNITS = {
 """Name of a unit in FMUs → the unit; ``unit_of`` also has the units of derivatives, which are quotients."""
 
 
-def quotient(unit: str, parameter: str) -> str:
+def unit_of_derivative(unit: str, parameter: str) -> str:
     """Return the name of a derivative's unit: ``unit``, of the output, divided by the unit ``parameter``."""
     if parameter == "1":
         return unit

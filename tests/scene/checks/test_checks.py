@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.scene.checks.checks import hints
+from chain_impact.scene.checks.checks import scene_hints
 from chain_impact.scene.errors import SceneWarning
 from chain_impact.scene.files.models import model_names
 from chain_impact.scene.scene import load_scene, parse_scene, scene_from_dict, scene_to_dict, with_values
@@ -163,7 +163,9 @@ def test_initial_angles_of_joints_take_the_place_of_those_of_links():
 
 
 def test_models_give_no_hints():
-    assert {name: found_hints for name in model_names() if (found_hints := hints(load_scene(name)))} == {}
+    assert {
+        name: found_hints for name in model_names() if (found_hints := scene_hints(load_scene(name)))
+    } == {}
 
 
 def test_a_start_in_a_wall_asks_whether_a_length_is_in_mm():

@@ -10,7 +10,7 @@ import pytest
 
 from chain_impact import load_scene
 from chain_impact.kernel.forces.laws import CONTACT_LAWS
-from chain_impact.scene.checks.checks import hints
+from chain_impact.scene.checks.checks import scene_hints
 from chain_impact.scene.scene import parse_scene, scene_from_dict, scene_to_dict, with_values
 from tests.helpers.tools.refusal import refusal
 from tests.scene.finger import FINGER
@@ -123,7 +123,9 @@ def test_a_start_on_a_stop_is_none_beyond_it():
 
 def test_a_stop_in_degrees_without_a_unit_gives_a_hint():
     scene = finger().with_values({"link[2].joint_max": 90})
-    assert hints(scene) == ['link[2].joint_max = 90 rad is 14.3 turns: if degrees are meant, write "90 deg"']
+    assert scene_hints(scene) == [
+        'link[2].joint_max = 90 rad is 14.3 turns: if degrees are meant, write "90 deg"'
+    ]
 
 
 def test_a_law_of_ones_own_can_be_that_of_the_stops(tmp_path):

@@ -5,7 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from chain_impact.studies.fit.uncertainty import exceedance_probability, information, quantiles, small_sample
+from chain_impact.studies.fit.uncertainty import (
+    exceedance_probability,
+    information_of,
+    quantiles,
+    small_sample,
+)
 
 SLOPES = np.array([[1.0, 0.0], [1.0, 1.0], [1.0, 2.0], [1.0, 3.0]])
 SIGMA = np.full(4, 0.5)
@@ -13,7 +18,7 @@ SIGMA = np.full(4, 0.5)
 
 def test_a_straight_line():
     """The textbook gives standard errors of intercept and slope."""
-    result, x = information(SLOPES, SIGMA), np.arange(4.0)
+    result, x = information_of(SLOPES, SIGMA), np.arange(4.0)
     spread = ((x - x.mean()) ** 2).sum()
     expected = 0.5 * math.sqrt(0.25 + x.mean() ** 2 / spread), 0.5 / math.sqrt(spread)
     assert result.errors == pytest.approx(expected)
@@ -22,22 +27,22 @@ def test_a_straight_line():
 
 def test_scales_do_not_matter():
     scale = np.array([1e9, 1e-9])
-    errors = information(SLOPES * scale, SIGMA).errors
-    assert errors * scale == pytest.approx(information(SLOPES, SIGMA).errors)
+    errors = information_of(SLOPES * scale, SIGMA).errors
+    assert errors * scale == pytest.approx(information_of(SLOPES, SIGMA).errors)
 
 
 def test_a_parameter_without_effect_has_an_infinite_error_others_none():
-    result = information(np.column_stack([SLOPES, np.zeros(4)]), SIGMA)
-    assert result.errors[:2] == pytest.approx(information(SLOPES, SIGMA).errors)
+    result = information_of(np.column_stack([SLOPES, np.zeros(4)]), SIGMA)
+    assert result.errors[:2] == pytest.approx(information_of(SLOPES, SIGMA).errors)
     assert result.errors[2] == math.inf
 
 
 def test_parameters_that_act_only_together_have_infinite_errors():
     twins = np.column_stack([SLOPES, SLOPES[:, 1] * 3.0])
-    result = information(twins, SIGMA)
+    result = information_of(twins, SIGMA)
     assert result.errors[1:].tolist() == [math.inf, math.inf]
     assert math.isfinite(result.errors[0])
-    assert result.with_held(2).errors == pytest.approx(information(SLOPES, SIGMA).errors)
+    assert result.with_held(2).errors == pytest.approx(information_of(SLOPES, SIGMA).errors)
 
 
 def test_quantiles_are_those_of_scipy():

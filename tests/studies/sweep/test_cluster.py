@@ -125,7 +125,7 @@ def test_a_worker_without_the_package(scheduler, tmp_path):
 
 def test_a_worker_with_another_version(scheduler, monkeypatch):
     scheduler.worker()
-    monkeypatch.setattr(cluster, "identity", Other())
+    monkeypatch.setattr(cluster, "version_and_kernel_hash", Other())
     with pytest.raises(SceneError, match=r"must have 9\.9 \(kernel abc\) as here"):
         sweep(SCENE, VARY, scheduler=scheduler.address)
 
@@ -137,9 +137,9 @@ class Other:
         return "9.9", "abc"
 
     def __reduce__(self):
-        return "identity"
+        return "version_and_kernel_hash"
 
-    __module__, __qualname__ = cluster.__name__, "identity"
+    __module__, __qualname__ = cluster.__name__, "version_and_kernel_hash"
 
 
 @pytest.mark.parametrize(

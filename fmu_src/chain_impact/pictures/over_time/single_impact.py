@@ -16,7 +16,7 @@ from chain_impact.pictures.drawing.used_pixels import UsedPixels
 from chain_impact.pictures.over_time.impacts import HEADROOM
 from chain_impact.pictures.texts.headline import largest_peaks
 from chain_impact.recording.contact_times import course_in_run
-from chain_impact.recording.impacts import lasts
+from chain_impact.recording.impacts import lasts_to_end
 from chain_impact.recording.pacing import LEAST_SPEED, LONGEST_IMPACT
 from chain_impact.recording.recording import Recording
 from chain_impact.text import prefixed_unit
@@ -79,7 +79,7 @@ def course_of_hardest(recording: Recording) -> tuple[int, np.ndarray, np.ndarray
     row, impact = hardest.row, recording.impacts[hardest.row]
     if (course := course_in_run(recording, row)) is not None:
         return (row, course.time, course.force) if len(course.time) else None
-    end = recording.time[-1] if lasts(impact) else impact["end"]
+    end = recording.time[-1] if lasts_to_end(impact) else impact["end"]
     is_inside = (recording.time >= impact["onset"]) & (recording.time <= end)
     pair = int(impact["point"]), recording.wall_names[impact["wall"]]
     force = recording.contact_forces.get(pair)
@@ -104,7 +104,7 @@ def draw_one_impact(axes: Axes, recording: Recording) -> None:
     factor, unit = prefixed_unit(shown_contact(impact, time, force), "s")
     times, forces, force_unit = curve_of(recording, hardest_course)
     duration = float(impact["end"] - impact["onset"])
-    duration_text = "lasts to the end" if lasts(impact) else f"lasts {force_text(duration, 's')}"
+    duration_text = "lasts to the end" if lasts_to_end(impact) else f"lasts {force_text(duration, 's')}"
     name = f"impact {row + 1}, {duration_text}"
     axes.fill_between(times, forces, color=PEAK_COLOUR, alpha=OPACITY, linewidth=0.0, label=name)
     axes.plot(times, forces, color=PEAK_COLOUR, linewidth=1.4)

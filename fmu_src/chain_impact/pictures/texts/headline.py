@@ -18,7 +18,7 @@ from chain_impact.pictures.texts.conditions import conditions
 from chain_impact.pictures.texts.point_names import brief_hit, what_touches
 from chain_impact.recording.contact_times import acts_by_impulses, has_impulses, law_at, peak_time
 from chain_impact.recording.impact_texts import speed_unit
-from chain_impact.recording.impacts import lasts
+from chain_impact.recording.impacts import lasts_to_end
 from chain_impact.recording.joint_peaks import LARGEST_OF_ROWS, joint_peaks
 from chain_impact.recording.recording import Recording
 from chain_impact.text import count_text, prefixed_unit
@@ -256,7 +256,7 @@ def impact_values(recording: Recording, *, is_stop: bool) -> tuple[str, str, np.
     # bounces
     is_rigid = has_impulses(law_at(recording, is_stop=is_stop))
     if is_rigid or ((forces == 0.0) & (impulses > 0.0)).any():
-        totals = impulses * ~lasts(impacts)
+        totals = impulses * ~lasts_to_end(impacts)
         name, values = (
             (IMPULSE, totals) if totals.any() else (HIT_IMPULSE, impulses_of_hits(recording) * is_own)
         )
@@ -273,7 +273,7 @@ def impulses_of_hits(recording: Recording) -> np.ndarray:
     """
     impacts, time, impulses = recording.impacts, recording.time, np.nan_to_num(recording.impacts["impulse"])
     forces = recording.contact_forces
-    for row in np.flatnonzero(lasts(impacts)):
+    for row in np.flatnonzero(lasts_to_end(impacts)):
         onset, wall = impacts["onset"][row], recording.wall_names[impacts["wall"][row]]
         force, first = forces.get((int(impacts["point"][row]), wall)), np.searchsorted(time, onset)
         if force is None or first == len(time):

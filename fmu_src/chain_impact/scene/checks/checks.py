@@ -33,7 +33,7 @@ GRAVITY_IN_MM = (9e3, 1.05e4)  # [m/s²] range of a gravity that is probably the
 FAR_POINT = 30.0
 
 
-def check(scene: SceneContents) -> None:
+def check_scene(scene: SceneContents) -> None:
     """Raise a SceneError if the scene fails a check of this module, of rule_checks.py or of signal_checks.py.
 
     ``check_given_rules`` is left out: it checks a scene before its completion. The fault of the error ends
@@ -151,7 +151,7 @@ def angle_hints(scene: SceneContents) -> list[str]:
     return [hint for name, angle in suspicious_angles.items() if (hint := radians_hint(name, angle, "rad"))]
 
 
-def hints(scene: SceneContents) -> list[str]:
+def scene_hints(scene: SceneContents) -> list[str]:
     """Return sentences on values of a scene that are allowed, but are probably mistakes of the user."""
     texts = angle_hints(scene)
     for i, link in enumerate(scene.chain.links, 1):

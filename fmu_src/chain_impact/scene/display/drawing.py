@@ -21,7 +21,7 @@ THIN_WIDTH = 0.004  # the width of other lines
 POINT_RADIUS = 0.02  # the radius of points
 
 
-def svg(scene: SceneContents, values: Mapping[str, Any]) -> str:
+def scene_svg(scene: SceneContents, values: Mapping[str, Any]) -> str:
     """Return the text of an SVG element: a scene at its start, in the page's text colour.
 
     The drawing shows the chain, the outlines of links that have additional points, the rail and the carriage

@@ -33,7 +33,7 @@ Disc = tuple[float, float, float]
 the proximal end of the link; and the radius."""
 
 
-def outline(discs: Iterable[Disc]) -> np.ndarray:
+def outline_of_discs(discs: Iterable[Disc]) -> np.ndarray:
     """Return the corners of the convex hull of discs, anticlockwise, shape (C, 2) [m] (Andrew, 1979).
 
     Each disc counts as a regular polygon with CIRCLE_CORNERS corners on its rim, or as a point if its radius
@@ -102,7 +102,7 @@ def outlines_from(values: Mapping[str, Any], contact_points: Container[int]) -> 
     radius, outlines = values.get("contact.radius", 0.0), {}
     for n, discs in discs_of_links(values).items():
         near_radius, far_radius = (radius if end in contact_points else 0.0 for end in (n - 1, n))
-        outlines[n] = outline(
+        outlines[n] = outline_of_discs(
             [(0.0, 0.0, near_radius), (float(values[f"link[{n}].length"]), 0.0, far_radius), *discs]
         )
     return outlines

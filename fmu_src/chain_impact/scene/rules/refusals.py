@@ -214,6 +214,6 @@ not all values of the steps are equal; ``starts_fast``: the speed of a sine is n
 """
 
 
-def sentence(fault: str, **template_values: object) -> str:
+def refusal_sentence(fault: str, **template_values: object) -> str:
     """Return the sentence on a fault, with the ``template_values`` in place of the words in braces."""
     return SENTENCES[fault].format_map(template_values)

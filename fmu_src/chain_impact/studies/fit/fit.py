@@ -23,7 +23,7 @@ from chain_impact.studies.fit.problem import Evaluation, Problem
 from chain_impact.studies.fit.remarks import not_random, outliers, unusual_chi_squared
 from chain_impact.studies.fit.result import Fit
 from chain_impact.studies.fit.sigma import standard_deviation
-from chain_impact.studies.fit.uncertainty import information, quantiles, small_sample
+from chain_impact.studies.fit.uncertainty import information_of, quantiles, small_sample
 from chain_impact.studies.fit.undetermined import unknown_parameter_remarks
 from chain_impact.text import count_text
 
@@ -120,9 +120,9 @@ def fit(
         return replace(result, notes=(*late_text, *result.notes))
 
     if laws:
-        from chain_impact.studies.fit.law_ranking import rank
+        from chain_impact.studies.fit.law_ranking import fit_and_rank_laws
 
-        return rank(fit_scenes, scenes, progress)
+        return fit_and_rank_laws(fit_scenes, scenes, progress)
     return fit_scenes(scenes, progress)
 
 
@@ -138,7 +138,7 @@ def _fit(problem: Problem, progress: Progress) -> Fit:
             f"must be at least {len(problem.parameters)}, as many as parameters are free"
         )
         raise SceneError("; ".join([few_text, *_left_out_remarks(problem, evaluation)]))
-    fisher_information = information(evaluation.slopes[rows], search_result.sigma[rows])
+    fisher_information = information_of(evaluation.slopes[rows], search_result.sigma[rows])
     reached_bounds = problem.bounds_reached(evaluation.coordinates, fisher_information.alone)
     values, covariance = problem.values(evaluation.coordinates), fisher_information.covariance
     labels = [parameter.label for parameter in problem.parameters]
@@ -202,7 +202,7 @@ def _on_bounds(problem: Problem, search_result: SearchSeries) -> Evaluation:
     model with the parameters of the search is returned.
     """
     evaluation = search_result.last_search.best
-    alone_errors = information(
+    alone_errors = information_of(
         evaluation.slopes[evaluation.is_usable], search_result.sigma[evaluation.is_usable]
     ).alone
     reached_bounds = problem.bounds_reached(evaluation.coordinates, alone_errors)

@@ -19,7 +19,7 @@ CRITERION_DIGITS = 1
 FitOne = Callable[[Sequence[Scene], Progress], Fit]
 
 
-def rank(fit: FitOne, scenes: Sequence[Scene], progress: Progress) -> Fit:
+def fit_and_rank_laws(fit: FitOne, scenes: Sequence[Scene], progress: Progress) -> Fit:
     """Fit every contact law; return the fit of the best law, with the ranking of all laws.
 
     The scene's own law is fitted first, from the values of ``scenes``. Another law is fitted from the

@@ -9,7 +9,7 @@ import numpy as np
 
 from chain_impact.studies.fit.estimates import Estimates
 from chain_impact.studies.fit.measurements import Measurements
-from chain_impact.studies.fit.uncertainty import exceedance_probability, information
+from chain_impact.studies.fit.uncertainty import exceedance_probability, information_of
 from chain_impact.text import count_text
 
 # a value is no outlier if its |residual| is at most SMALL_RESIDUAL × the range of the measured values of its
@@ -54,7 +54,7 @@ def outliers(fit: Estimates, slopes: np.ndarray) -> Iterator[str]:
     if freedom_left < 1:
         return
     whitened, weighted = slopes[rows] / fit.sigma[rows, None], (fit.residuals / fit.sigma)[rows]
-    covariance = np.nan_to_num(information(slopes[rows], fit.sigma[rows]).covariance, posinf=0.0)
+    covariance = np.nan_to_num(information_of(slopes[rows], fit.sigma[rows]).covariance, posinf=0.0)
     # kept_shares: 1 − h for each value in use, with its leverage h, shape (number of these values,)
     kept_shares = 1.0 - np.einsum("mp,pq,mq->m", whitened, covariance, whitened)
     # is_alone: values that are no outliers; first, those without which some parameter would not be determined

@@ -74,7 +74,7 @@ class Information:
         return Information(np.delete(np.delete(self.matrix, p, 0), p, 1))
 
 
-def information(slopes: np.ndarray, sigma: np.ndarray) -> Information:
+def information_of(slopes: np.ndarray, sigma: np.ndarray) -> Information:
     """Return the information about the parameters that M values hold.
 
     ``slopes``: derivatives of the model's values with respect to the coordinates of the parameters, shape
@@ -112,12 +112,12 @@ def small_sample(
     p_c is the parameter's diagonal element of C A_c C, divided by its diagonal element of C.
 
     Args:
-        slopes: derivatives of the model's values, as for ``information``, shape (M, P).
+        slopes: derivatives of the model's values, as for ``information_of``, shape (M, P).
         sigma: standard deviations of the values, shape (M,).
         groups: a pair for each column with an estimated standard deviation: whether each value belongs to the
             column, shape (M,), and the degrees of freedom ν_c.
     """
-    covariance = np.nan_to_num(information(slopes, sigma).covariance, posinf=0.0)
+    covariance = np.nan_to_num(information_of(slopes, sigma).covariance, posinf=0.0)
     variance = np.diag(covariance)
     doubt, growth = np.zeros(len(variance)), np.zeros(len(variance))
 
@@ -127,7 +127,7 @@ def small_sample(
 
     for group_rows, degrees in groups:
         precision, least_degrees = (
-            information(slopes[group_rows], sigma[group_rows]).matrix,
+            information_of(slopes[group_rows], sigma[group_rows]).matrix,
             max(degrees, LEAST_FREEDOM),
         )
         doubt += part(precision) ** 2 / least_degrees

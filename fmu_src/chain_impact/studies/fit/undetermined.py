@@ -30,7 +30,7 @@ def unknown_parameter_remarks(
 ) -> Iterator[str]:
     """Yield a sentence for each parameter that the data do not determine.
 
-    ``evaluation`` is the fitted model, ``fisher_information`` the information of the fitted values.
+    ``evaluation`` is the fitted model, ``information_of`` the information of the fitted values.
     ``reached_bounds`` has the indices of the parameters at a bound, which get no sentence.
     """
     values, errors = problem.values(evaluation.coordinates), fisher_information.errors

@@ -68,7 +68,7 @@ def run_on_cluster(
             raise RunError(f"{name}: the cluster could not do a part of the sweep: {reason}") from None
 
 
-def identity() -> tuple[str, str]:
+def version_and_kernel_hash() -> tuple[str, str]:
     """Return the version of this package and the hash of the kernel's sources; workers need equal ones."""
     return version("chain-impact"), fingerprint()
 
@@ -109,8 +109,8 @@ def _check_workers(client: Any, computation: Computation, address: str) -> int:
     threads = client.nthreads()
     if not threads:
         raise SceneError(f"scheduler {address}: it has no workers; start some with: dask worker {address}")
-    own_identity = identity()
-    for worker, answer in client.run(identity, on_error="return").items():
+    own_identity = version_and_kernel_hash()
+    for worker, answer in client.run(version_and_kernel_hash, on_error="return").items():
         if isinstance(answer, BaseException):
             raise SceneError(
                 f"scheduler {address}: the worker {worker} cannot import chain-impact ({answer}); "
