@@ -16,9 +16,9 @@ from chain_impact.pictures import sensitivity_finding
 from chain_impact.pictures.drawing.colours import PALETTE
 from chain_impact.pictures.first_order import (
     MOST_OF_ZERO,
+    first_order_changes,
     is_first_order_true,
     keeps_order,
-    known_changes,
     shares,
     span_of,
     with_small_steps,
@@ -117,10 +117,8 @@ def test_the_most_important_of_many_parameters_have_colours():
     )
     names, page = ("point[1].x", "point[1].y", "energy.total"), sensitivity_page(recording)
     all_sensitivities = recording.sensitivities.without_exponents()
-    shares_of_range = np.max([shares(recording, all_sensitivities, name) for name in names], axis=0)
-    sensitivities = with_small_steps(
-        recording, all_sensitivities, names, known_changes(recording, all_sensitivities, shares_of_range)
-    )
+    changes = first_order_changes(recording, all_sensitivities, names)
+    sensitivities = with_small_steps(changes, len(recording.time))
     of_value = [name for name, value in sensitivities.parameters.items() if value]
     curves = [line for line in page.axes[1].lines if len(line.get_xdata()) == len(recording.time)]
     colours = [line.get_color() for line in curves]

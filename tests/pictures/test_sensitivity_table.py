@@ -2,6 +2,8 @@
 
 # Tests: pictures/sensitivity_table.py
 
+from dataclasses import replace
+
 import matplotlib as mpl
 import matplotlib.style
 import numpy as np
@@ -13,6 +15,7 @@ from chain_impact import load_scene, simulate
 from chain_impact.pictures.drawing.colours import PALETTE
 from chain_impact.pictures.drawing.dark_ground import lightened_colour
 from chain_impact.pictures.drawing.headings import height_with_heading
+from chain_impact.pictures.first_order import first_order_changes
 from chain_impact.pictures.sensitivities import LARGEST_EFFECTS
 from chain_impact.pictures.sensitivity_table import (
     CELL_HEIGHT,
@@ -56,8 +59,10 @@ def test_many_impacts_have_colours_in_place_of_numbers():
     assert [label.get_text() for label in bar.get_yticklabels()] == ["−10", "−1", "0", "+1", "+10"]
     assert bar.get_ylim() == pytest.approx((image.norm.vmin, image.norm.vmax))
     figure, looks = Figure(), [{"color": colour} for colour in PALETTE[:2]]
-    keeps_order = np.ones((len(recording.time), 2), bool)  # the table then shows changes that no curve shows
-    draw_impact_changes(figure.subplots(), recording, recording.sensitivities, looks, keeps_order)
+    changes = first_order_changes(recording, recording.sensitivities, ["point[1].y"])
+    # the table then shows changes that no curve shows
+    always_known = replace(changes, is_known=np.ones((len(recording.time), 2), bool))
+    draw_impact_changes(figure.subplots(), always_known, looks)
     assert figure.axes[0].images[0].colorbar.extend == "both"  # larger changes have the colours of the ends
     assert image.colorbar.extend == "neither"
     # the middle of the logarithmic scale between 0 and an end

@@ -7,7 +7,7 @@ where they reverse the order of two impacts, because a change to first order say
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -25,6 +25,34 @@ ORDER_ROUND_OFF = 1e-9
 # MOST_OF_ZERO times as far from 0 as all other curves; STEP_PARTS are the tried factors of these steps
 MOST_OF_ZERO = 1.5
 STEP_PARTS = tuple(digit * 10.0**-power for power in range(1, 10) for digit in (10, 5, 2))
+
+
+@dataclass(frozen=True)
+class FirstOrderChanges:
+    """The changes of outputs to first order, by a step of each of P parameters, and where they can hold.
+
+    Attributes:
+        recording: the run, with T rows.
+        sensitivities: the derivatives of its outputs.
+        outputs: the names of the drawn outputs.
+        relative_changes: the result of ``largest_shares``, shape (T, P).
+        is_known: the result of ``known_changes``: whether the changes can hold, shape (T, P).
+    """
+
+    recording: Recording
+    sensitivities: Sensitivities
+    outputs: Sequence[str]
+    relative_changes: np.ndarray
+    is_known: np.ndarray
+
+
+def first_order_changes(
+    recording: Recording, sensitivities: Sensitivities, outputs: Sequence[str]
+) -> FirstOrderChanges:
+    """Return the changes of ``outputs`` to first order, and where they can hold."""
+    relative_changes = largest_shares(recording, sensitivities, outputs)
+    is_known = known_changes(recording, sensitivities, relative_changes)
+    return FirstOrderChanges(recording, sensitivities, outputs, relative_changes, is_known)
 
 
 def drawn_rows(recording: Recording, sensitivities: Sensitivities, is_known: np.ndarray) -> np.ndarray:
@@ -78,6 +106,11 @@ def shares(recording: Recording, sensitivities: Sensitivities, output: str) -> n
     return np.asarray(parts)
 
 
+def largest_shares(recording: Recording, sensitivities: Sensitivities, outputs: Sequence[str]) -> np.ndarray:
+    """Return the largest of the ``shares`` of all ``outputs``, shape (T, P)."""
+    return np.asarray(np.max([shares(recording, sensitivities, name) for name in outputs], axis=0))
+
+
 def span_of(recording: Recording, output: str) -> float:
     """Return the range of an output in the run, in its unit; for an energy, the range of all energies [J].
 
@@ -102,9 +135,7 @@ def is_first_order_true(relative_changes: np.ndarray) -> np.ndarray:
     return np.asarray(np.maximum.accumulate(relative_changes, axis=0) <= 1.0)
 
 
-def with_small_steps(
-    recording: Recording, sensitivities: Sensitivities, outputs: Sequence[str], is_known: np.ndarray
-) -> Sensitivities:
+def with_small_steps(changes: FirstOrderChanges, end_row: int) -> Sensitivities:
     """Return the derivatives with smaller steps for parameters that are 0, so that all curves fit in a panel.
 
     The step of a parameter is 1 % of its value. A parameter that is 0 has an arbitrary step instead, which is
@@ -113,13 +144,18 @@ def with_small_steps(
     changes do not count. If no factor is small enough, the step stays. The factors are for curves and their
     legend only; all numbers are for the whole step. If all or no parameters are 0, nothing changes.
 
-    ``is_known`` is the result of ``known_changes``.
+    Rows after ``end_row``, the last one of all curves, do not count.
     """
+    sensitivities = changes.sensitivities
     is_zero = np.array([value == 0.0 for value in sensitivities.parameters.values()])
     if is_zero.all() or not is_zero.any():
         return sensitivities
-    is_shown = is_known & is_outside_impacts(recording)[:, None]
-    sizes = [np.where(is_shown, np.abs(np.nan_to_num(sensitivities.changes(name))), 0.0) for name in outputs]
+    is_shown = changes.is_known & is_outside_impacts(changes.recording)[:, None]
+    is_shown[end_row + 1 :] = False
+    sizes = [
+        np.where(is_shown, np.abs(np.nan_to_num(sensitivities.changes(name))), 0.0)
+        for name in changes.outputs
+    ]
     largest_changes = np.max(sizes, axis=1)
     largest_other = largest_changes[:, ~is_zero].max(axis=1)
     chosen_factors = {}

@@ -30,10 +30,21 @@ from chain_impact.pictures.drawing.headings import HEIGHT_COUNTS, name_above
 from chain_impact.pictures.drawing.legends import legend_at_head
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
 from chain_impact.pictures.drawing.style import drawing_style, is_narrow
-from chain_impact.pictures.first_order import drawn_rows, known_changes, shares, with_small_steps
+from chain_impact.pictures.first_order import (
+    FirstOrderChanges,
+    drawn_rows,
+    first_order_changes,
+    largest_shares,
+    with_small_steps,
+)
 from chain_impact.pictures.over_time.time_axis import impact_handles, mark_impacts, name_time
 from chain_impact.pictures.rows_of_impacts import is_outside_impacts
-from chain_impact.pictures.sensitivity_finding import NO_CHANGE, finding_of, most_important
+from chain_impact.pictures.sensitivity_finding import (
+    NO_CHANGE,
+    SensitivityFinding,
+    finding_of,
+    most_important,
+)
 from chain_impact.pictures.sensitivity_table import draw_impact_changes, has_blank_cells, name_rows_inside
 from chain_impact.pictures.texts.conditions import conditions
 from chain_impact.recording.recording import Recording
@@ -65,25 +76,60 @@ def draw_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
     ``outputs`` are names as in ``Sensitivities.drawn``.
     """
     assert recording.sensitivities is not None
-    given_sensitivities = recording.sensitivities.without_exponents()
+    sensitivities = recording.sensitivities.without_exponents()
+    changes = first_order_changes(recording, sensitivities, sensitivities.drawn(outputs))
+    finding, end_row, is_small = finding_of(changes), last_predicted(changes), is_narrow(figure)
+    write_finding(figure, changes, finding)
+    scaled_sensitivities = with_small_steps(changes, end_row)
+    relative_changes = largest_shares(recording, scaled_sensitivities, changes.outputs)
+    looks = looks_of_parameters(
+        sensitivities,
+        relative_changes[: end_row + 1],
+        scaled_sensitivities.step_factors,
+        is_brief=is_small,
+    )
+    is_shown = changes.is_known & (np.arange(len(changes.is_known)) <= end_row)[:, None]
+    is_drawn = drawn_rows(recording, sensitivities, is_shown)
+    column_count = 1 if is_small else 2
+    panels, table = panels_of(figure, len(changes.outputs), column_count)
+    for axes, name in zip(panels, changes.outputs, strict=True):
+        scale = draw_changes(axes, recording, scaled_sensitivities, name, looks, is_drawn=is_drawn)
+        checked = finding.checked
+        if checked and checked.change is not None and checked.output == name:
+            time, look = float(recording.time[checked.row]), looks[checked.parameter]
+            mark_run(axes, time, scale * checked.change, look)
+        mark_impacts(axes, recording)
+        mark_unknown(axes, recording, sensitivities, end_row)
+        give_ticks(axes)
+    name_time_below(panels, column_count, float(recording.time[-1]))
+    height = draw_impact_changes(table, changes, looks)
+    marks: list[Any] = [Line2D([], [], label="change in a run", **RUN_LOOK)] if finding.checked else []
+    marks += impact_handles(panels[0], recording)
+    if has_blank_cells(table) or end_row < len(changes.is_known) - 1:
+        marks.append(Patch(facecolor=OUTSIDE_COLOUR, label="no prediction"))
+    write_legend(figure, parameter_handles(panels[0], sensitivities), marks)
+    if sensitivities.limits:
+        write_foot(figure, "\n".join(sensitivities.limits), most_share=MOST_LIMITS)
+    start_at_headline(figure)
+    settle(figure)
+    give_height(table, height)
+    settle(figure)
+    name_rows_inside(table)
+
+
+def write_finding(figure: Figure, changes: FirstOrderChanges, finding: SensitivityFinding) -> None:
+    """Write the headline, and below it the conditions of the run and remarks on the curves."""
+    recording, is_small = changes.recording, is_narrow(figure)
+    assert recording.sensitivities is not None
     left_out = [
-        name for name in recording.sensitivities.parameters if name not in given_sensitivities.parameters
+        name for name in recording.sensitivities.parameters if name not in changes.sensitivities.parameters
     ]
-    names = given_sensitivities.drawn(outputs)
-    parts = np.stack([shares(recording, given_sensitivities, name) for name in names])
-    is_known = known_changes(recording, given_sensitivities, parts.max(axis=0))
-    finding = finding_of(recording, given_sensitivities, names, parts, is_known)
-    checked = finding.checked
     remarks = [
         FIRST_ORDER_CHANGES,
         SHIFT_NOTE if len(recording.impacts) else "",
-        "" if is_known.all() else END_NOTE,
+        "" if changes.is_known.all() else END_NOTE,
         *(f"{name} {EXPONENT_NOTE}" for name in left_out),
     ]
-    end_row = last_predicted(given_sensitivities, parts.max(axis=0), is_known)
-    is_shown = is_known & (np.arange(len(is_known)) <= end_row)[:, None]
-    scaled_sensitivities = with_small_steps(recording, given_sensitivities, names, is_shown)
-    is_small = is_narrow(figure)
     # a narrow figure has only the first sentence in its head
     detail, _, more_detail = finding.detail.partition("; ") if is_small else (finding.detail, "", "")
     write_headline(
@@ -92,53 +138,40 @@ def draw_sensitivities(figure: Figure, recording: Recording, outputs: Sequence[s
         conditions(recording, *filter(None, more_detail.split("; ")), *remarks, short=is_small),
         *([(detail, INK)] if detail else []),
     )
-    relative_changes = np.max([shares(recording, scaled_sensitivities, name) for name in names], axis=0)
-    relative_changes = relative_changes[: end_row + 1]
-    looks = looks_of_parameters(
-        given_sensitivities, relative_changes, scaled_sensitivities.step_factors, is_brief=is_small
-    )
-    is_drawn = drawn_rows(recording, given_sensitivities, is_shown)
-    column_count = 1 if is_small else 2
-    panels, table = panels_of(figure, len(names), column_count)
-    for axes, name in zip(panels, names, strict=True):
-        scale = draw_changes(axes, recording, scaled_sensitivities, name, looks, is_drawn=is_drawn)
-        if checked and checked.change is not None and checked.output == name:
-            mark_run(
-                axes, float(recording.time[checked.row]), scale * checked.change, looks[checked.parameter]
-            )
-        mark_impacts(axes, recording)
-        mark_unknown(axes, recording, given_sensitivities, end_row)
-        give_ticks(axes)
+
+
+def name_time_below(panels: Sequence[Axes], column_count: int, duration: float) -> None:
+    """Write the name of the axis of time below panels without another panel below them.
+
+    All other panels get no numbers there. ``duration`` is that of the run [s].
+    """
     for panel_index, axes in enumerate(panels):
         # the next row is full of panels, without the table, so that this panel has a panel below it
         if (panel_index // column_count + 2) * column_count <= len(panels):
             axes.tick_params(labelbottom=False)
         else:
-            axes.set_xlabel(name_time(axes, float(recording.time[-1])))
-    height = draw_impact_changes(table, recording, given_sensitivities, looks, is_known)
+            axes.set_xlabel(name_time(axes, duration))
+
+
+def parameter_handles(axes: Axes, sensitivities: Sensitivities) -> list[Any]:
+    """Return the entries of a legend for the curves in ``axes``: steps of 1 % first, other steps last."""
     handles = sorted(
-        panels[0].get_legend_handles_labels()[0],
+        axes.get_legend_handles_labels()[0],
         key=lambda handle: (
             " + " in str(handle.get_label()),
-            str(handle.get_label()) not in given_sensitivities.parameters,
+            str(handle.get_label()) not in sensitivities.parameters,
         ),
     )
-    if any(given_sensitivities.parameters.values()):
+    if any(sensitivities.parameters.values()):
         handles.insert(0, Line2D([], [], linestyle="", label=f"+ {100.0 * RELATIVE_STEP:g} %:"))
-    marks: list[Any] = [Line2D([], [], label="change in a run", **RUN_LOOK)] if checked else []
-    marks += impact_handles(panels[0], recording)
-    if has_blank_cells(table) or end_row < len(is_known) - 1:
-        marks.append(Patch(facecolor=OUTSIDE_COLOUR, label="no prediction"))
+    return handles
+
+
+def write_legend(figure: Figure, handles: Sequence[Any], marks: Sequence[Any]) -> None:
+    """Write the legend with ``handles`` and ``marks``; a narrow figure has the marks in words at its foot."""
     mark_text = SEPARATOR.join(f"{mark_word(mark)}: {mark.get_label()}" for mark in marks)
-    has_marks_below = is_small and bool(marks) and write_foot(figure, mark_text)
-    legend_at_head(figure, handles if has_marks_below else [*handles, *marks])
-    if given_sensitivities.limits:
-        write_foot(figure, "\n".join(given_sensitivities.limits), most_share=MOST_LIMITS)
-    start_at_headline(figure)
-    settle(figure)
-    give_height(table, height)
-    settle(figure)
-    name_rows_inside(table)
+    has_marks_below = is_narrow(figure) and bool(marks) and write_foot(figure, mark_text)
+    legend_at_head(figure, list(handles) if has_marks_below else [*handles, *marks])
 
 
 def give_height(table: Axes, wanted_height: float) -> None:
@@ -284,15 +317,14 @@ def mark_word(mark: Line2D | Patch) -> str:
     return "diamond" if mark.get_marker() == RUN_LOOK["marker"] else "vertical lines"
 
 
-def last_predicted(sensitivities: Sensitivities, relative_changes: np.ndarray, is_known: np.ndarray) -> int:
+def last_predicted(changes: FirstOrderChanges) -> int:
     """Return the last row of the curves of all parameters: the end of the headline's (``most_important``).
 
     Later changes by other parameters would set the scale of a panel in which the headline's cannot be seen.
-    If its changes hold nowhere, the result is the last row of the run. The arguments are those of
-    ``most_important``.
+    If its changes hold nowhere, the result is the last row of the run.
     """
-    known_rows = np.flatnonzero(is_known[:, most_important(sensitivities, relative_changes, is_known)])
-    return int(known_rows[-1]) if len(known_rows) else len(is_known) - 1
+    known_rows = np.flatnonzero(changes.is_known[:, most_important(changes)])
+    return int(known_rows[-1]) if len(known_rows) else len(changes.is_known) - 1
 
 
 def mark_unknown(axes: Axes, recording: Recording, sensitivities: Sensitivities, end_row: int) -> None:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from chain_impact.pictures.first_order import span_of
+from chain_impact.pictures.first_order import FirstOrderChanges, span_of
 from chain_impact.pictures.rows_of_impacts import is_outside_impacts, is_shifted
 from chain_impact.pictures.texts.headline import time_unit
 from chain_impact.recording.recording import Recording
@@ -61,13 +60,7 @@ class Checked(NamedTuple):
         return self.change is not None and is_different(self.first_order, self.change)
 
 
-def finding_of(
-    recording: Recording,
-    sensitivities: Sensitivities,
-    outputs: Sequence[str],
-    parts: np.ndarray,
-    is_known: np.ndarray,
-) -> SensitivityFinding:
+def finding_of(changes: FirstOrderChanges) -> SensitivityFinding:
     """Return the headline on the parameter of ``most_important``, with its largest change of an output.
 
     The change is the largest one of ``_largest_changes`` that a run with the changed parameter confirms, or
@@ -76,29 +69,24 @@ def finding_of(
     headline says that no parameter has an effect, or that there are no derivatives, or, if all changes lie
     in gaps, has only the step. ``checked`` is None without a change, or if the run cannot be repeated, which
     counts as confirmed.
-
-    Args:
-        recording: the run.
-        sensitivities: the derivatives of its outputs.
-        outputs: names of outputs.
-        parts: the ``shares`` of each of ``outputs``, shape (number of outputs, T, P).
-        is_known: the result of ``known_changes``.
     """
+    recording, sensitivities, is_known = changes.recording, changes.sensitivities, changes.is_known
     has_any = np.isfinite(sensitivities.slopes).any(axis=(1, 2))
     if not has_any[1:].any():
         return SensitivityFinding(f"{recording.name}: no derivatives from {recording.time[0]:g} s on")
     factor, unit = time_unit(recording.duration)
     last_known = int(np.flatnonzero(has_any)[-1])
     end_text = "" if has_any[-1] else f"known until {factor * recording.time[last_known]:.3g} {unit}"
-    k = most_important(sensitivities, parts.max(axis=0), is_known)
-    if parts[..., k].max() <= NO_CHANGE:
-        return SensitivityFinding(f"{recording.name}: no parameter changes {', '.join(outputs)}", end_text)
+    k = most_important(changes)
+    if changes.relative_changes[:, k].max() <= NO_CHANGE:
+        names_text = ", ".join(changes.outputs)
+        return SensitivityFinding(f"{recording.name}: no parameter changes {names_text}", end_text)
     parameter = list(sensitivities.parameters)[k]
     step_text = f"{plain_name(parameter)} + {sensitivities.step_text(parameter)}"
     if not is_known[:, k].all():
         end = factor * recording.time[is_known[:, k]].max(initial=recording.time[0])
         end_text = f"not predictable after {end:.3g} {unit}"
-    change_rows = _largest_changes(recording, sensitivities, outputs, k, is_known)
+    change_rows = _largest_changes(changes, k)
     if not change_rows:
         return SensitivityFinding(f"{recording.name}: {step_text}", end_text)
     checks = list[Checked]()
@@ -130,24 +118,18 @@ def finding_of(
     )
 
 
-def _largest_changes(
-    recording: Recording,
-    sensitivities: Sensitivities,
-    outputs: Sequence[str],
-    k: int,
-    is_known: np.ndarray,
-) -> list[tuple[str, int]]:
+def _largest_changes(changes: FirstOrderChanges, k: int) -> list[tuple[str, int]]:
     """Return outputs and rows with the largest |changes| by parameter k, the largest first.
 
     The outputs are those with the unit of the output whose change is the largest relative to its range. Each
     part of a curve between two gaps has one row. There are at most MOST_CHECKED rows, with changes of at
     least LEAST_TOLD times the largest one.
     """
-    sizes = {name: _change_sizes(recording, sensitivities, name, k, is_known) for name in outputs}
-    first = max(outputs, key=lambda name: sizes[name].max() / span_of(recording, name))
-    change_rows = []
-    for name in outputs:
-        if sensitivities.units[name] != sensitivities.units[first]:
+    sizes = {name: _change_sizes(changes, name, k) for name in changes.outputs}
+    first = max(changes.outputs, key=lambda name: sizes[name].max() / span_of(changes.recording, name))
+    change_rows, units = [], changes.sensitivities.units
+    for name in changes.outputs:
+        if units[name] != units[first]:
             continue
         rows = np.flatnonzero(sizes[name])
         parts = np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1)
@@ -174,20 +156,17 @@ def _output_text(output: str) -> str:
     return f"{owner[0]} in {quantity}" if is_position else plain_name(output)
 
 
-def most_important(sensitivities: Sensitivities, relative_changes: np.ndarray, is_known: np.ndarray) -> int:
+def most_important(changes: FirstOrderChanges) -> int:
     """Return the index of the parameter that the headline names.
 
     It is the parameter whose changes end first; of several, as when the changes of all hold to the end, the
     one with the largest change relative to an output's range. A parameter with the value 0 is returned only
     if no other parameter has an effect, because its step cannot be compared with a change by 1 %.
-
-    ``relative_changes``: the largest of the ``shares`` of all outputs, shape (T, P). ``is_known`` is the
-    result of ``known_changes``.
     """
-    can_be = np.array([value != 0.0 for value in sensitivities.parameters.values()])
-    if relative_changes[:, can_be].max(initial=0.0) <= NO_CHANGE:
+    can_be = np.array([value != 0.0 for value in changes.sensitivities.parameters.values()])
+    if changes.relative_changes[:, can_be].max(initial=0.0) <= NO_CHANGE:
         can_be[:] = True
-    largest_changes, rows = relative_changes.max(axis=0), is_known.sum(axis=0)
+    largest_changes, rows = changes.relative_changes.max(axis=0), changes.is_known.sum(axis=0)
     return min(np.flatnonzero(can_be).tolist(), key=lambda k: (rows[k], -largest_changes[k]))
 
 
@@ -212,14 +191,12 @@ def _size_text(size: float, unit: str) -> str:
     return with_unit(number_text(scale * size, 2 if scale * size < LEAST_WHOLE else 3), shown_unit)
 
 
-def _change_sizes(
-    recording: Recording, sensitivities: Sensitivities, output: str, k: int, is_known: np.ndarray
-) -> np.ndarray:
+def _change_sizes(changes: FirstOrderChanges, output: str, k: int) -> np.ndarray:
     """Return |change| of an output, to first order, for a step of parameter k, shape (T,), in its unit.
 
     The result is 0 within impacts that end in the run, where a jump is ``is_shifted``, where the derivative
-    is unknown, and where ``is_known``, the result of ``known_changes``, is False.
+    is unknown, and where ``changes.is_known`` is False.
     """
-    sizes = np.abs(np.nan_to_num(sensitivities.changes(output)[:, k]))
-    sizes[~is_known[:, k] | is_shifted(recording, sensitivities)[:, k]] = 0.0
-    return np.where(is_outside_impacts(recording), sizes, 0.0)
+    sizes = np.abs(np.nan_to_num(changes.sensitivities.changes(output)[:, k]))
+    sizes[~changes.is_known[:, k] | is_shifted(changes.recording, changes.sensitivities)[:, k]] = 0.0
+    return np.where(is_outside_impacts(changes.recording), sizes, 0.0)

@@ -17,7 +17,7 @@ from chain_impact.pictures.drawing.dark_ground import lightened_colour, luminanc
 from chain_impact.pictures.drawing.head_and_foot import LEFT_MARGIN, start_left
 from chain_impact.pictures.drawing.line_breaks import break_lines
 from chain_impact.pictures.drawing.style import is_narrow
-from chain_impact.recording.recording import Recording
+from chain_impact.pictures.first_order import FirstOrderChanges
 from chain_impact.recording.sensitivity import RELATIVE_STEP, Sensitivities
 from chain_impact.text import count_text, signed_text
 
@@ -88,20 +88,13 @@ class RowBlock(NamedTuple):
         return [self.top + self.height * (k + 0.5) for k in range(len(self.parameters))]
 
 
-def draw_impact_changes(
-    axes: Axes,
-    recording: Recording,
-    sensitivities: Sensitivities,
-    looks: Sequence[dict[str, Any]],
-    is_known: np.ndarray,
-) -> float:
+def draw_impact_changes(axes: Axes, first_order: FirstOrderChanges, looks: Sequence[dict[str, Any]]) -> float:
     """Draw the change of each impact's peak force [%] by a step of each parameter, as a table.
 
     The table has a column for each impact, and the rows of ``blocks_of``; the title tells how many parameters
     have no row. ``looks`` has the properties of each parameter's curves. If no change of a peak force is
-    known, as in rigid impacts, the changes are those of the impulses.
-    ``is_known``, shape (T, P): whether changes to first order can hold, for each row of the recording and
-    each parameter. A cell is blank if its change is not known, or cannot hold at the impact's onset.
+    known, as in rigid impacts, the changes are those of the impulses. A cell is blank if its change is not
+    known, or cannot hold at the impact's onset.
 
     The strength of a colour is that of ``colour_norm``. In the second block, cells with numbers have no
     colour, which would compare them with the first block.
@@ -110,6 +103,7 @@ def draw_impact_changes(
     """
     axes.tick_params(length=0)
     axes.spines[:].set_visible(False)
+    recording, sensitivities = first_order.recording, first_order.sensitivities
     onsets = sensitivities.impacts["onset"]
     if not len(onsets):
         axes.set(xticks=[], yticks=[])
@@ -119,7 +113,7 @@ def draw_impact_changes(
     if not np.isfinite(sensitivities.relative(quantity)).any():
         quantity = "impulse"
     onset_rows = [recording.row_at(time) for time in onsets]
-    changes = 100.0 * np.where(is_known[onset_rows], sensitivities.relative(quantity), np.nan).T
+    changes = 100.0 * np.where(first_order.is_known[onset_rows], sensitivities.relative(quantity), np.nan).T
     blocks = blocks_of(sensitivities, looks, changes)
     largest_size = max(float(np.abs(np.nan_to_num(changes[block.parameters])).max()) for block in blocks)
     scale_end = float(np.abs(np.nan_to_num(changes[blocks[0].parameters])).max()) or largest_size
