@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from functools import partial
 from pathlib import Path
 
 from chain_impact.cli.completers import is_fmu
@@ -23,6 +24,7 @@ from chain_impact.cli.options import (
 )
 from chain_impact.cli.printing import say
 from chain_impact.cli.progress_bar import progress
+from chain_impact.cli.source import recorded_until_fault
 from chain_impact.fmu.run import record_fmu
 from chain_impact.recording.csv_file import NeedsSceneError, read_csv
 from chain_impact.recording.pacing import IMPACT_TIME
@@ -30,7 +32,6 @@ from chain_impact.recording.recording import Recording
 from chain_impact.results.animation import FILM_SIZE, FORMATS, LEAST_SIDE, MOST_SIDE, write_animation
 from chain_impact.scene.scene import load_scene
 from chain_impact.scene.settings import with_settings
-from chain_impact.simulation.errors import RunError
 from chain_impact.text import count_text
 
 PAGE = FORMATS[0]  # suffix of a page for the browser; an animation with any other of FORMATS is a film
@@ -99,13 +100,7 @@ def run(options: argparse.Namespace) -> int:
     check_outputs(options.output, inputs=filter(None, (options.source, options.scene, options.inputs)))
     if options.style and (options.output is None or options.output.suffix.lower() == PAGE):
         raise UsageError("--style: a page follows the browser, only a film has a style: give -o FILE.gif")
-    fault = None
-    try:
-        recording = recording_of(options)
-    except RunError as error:
-        if error.recording is None:
-            raise
-        recording, fault = error.recording, error
+    recording, fault = recorded_until_fault(partial(recording_of, options))
     path = options.output or Path(f"{recording.name}.html")
     with progress("drawing") as advance:
         write_animation(

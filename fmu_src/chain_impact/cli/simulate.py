@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -29,7 +30,7 @@ from chain_impact.cli.options import (
 )
 from chain_impact.cli.printing import say
 from chain_impact.cli.screen import sensitivity_tables, show, summary, with_screen_tables
-from chain_impact.cli.source import Source
+from chain_impact.cli.source import Source, recorded_until_fault
 from chain_impact.recording.curves import Curves, curves_of
 from chain_impact.recording.recording import Recording
 from chain_impact.recording.tables import SUFFIXES
@@ -314,13 +315,8 @@ def simulate_and_tell(
     choice.check(is_drawn=bool(canvas))
     tighter_source = source.with_less_tolerance() if check else None
     sensitivities = choice.sensitivities
-    fault, ranking = None, source.ranking(choice.rank, sensitivities) if choice.rank else None
-    try:
-        recording = source.record(() if ranking else sensitivities)
-    except RunError as error:
-        if error.recording is None:
-            raise
-        recording, fault = error.recording, error
+    ranking = source.ranking(choice.rank, sensitivities) if choice.rank else None
+    recording, fault = recorded_until_fault(partial(source.record, () if ranking else sensitivities))
     if csv:
         recording.save_csv(csv, columns or None)
         say(f"results  {csv}")

@@ -7,7 +7,7 @@ tolerance.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import partial
 from pathlib import Path
@@ -26,7 +26,7 @@ from chain_impact.scene.keys.tables import Solver
 from chain_impact.scene.scene import Scene, load_scene
 from chain_impact.scene.settings import parsed_value, with_settings
 from chain_impact.scene.texts.input_table import input_key
-from chain_impact.simulation.errors import SimulationError
+from chain_impact.simulation.errors import RunError, SimulationError
 from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.accuracy import TOLERANCE_RATIO, Differences, differences
 from chain_impact.variables.peaks import JOINT_FORCE
@@ -155,6 +155,20 @@ class Source:
     def differences(self, recording: Recording) -> Differences:
         """Simulate this source, from ``with_less_tolerance``; return how the run differs from a recording."""
         return differences(recording, self.record())
+
+
+def recorded_until_fault(record: Callable[[], Recording]) -> tuple[Recording, RunError | None]:
+    """Return the recording that ``record`` makes, and None.
+
+    If a fault ends the run after its start, the recording is that of the time before the fault, and the error
+    is returned with it.
+    """
+    try:
+        return record(), None
+    except RunError as error:
+        if error.recording is None:
+            raise
+        return error.recording, error
 
 
 def _changed_run(scene: Scene, name: str, value: float) -> Recording | None:
