@@ -139,7 +139,8 @@ def _settle_motion(
     motion.clear()
     side = max(room.height, min(width, room.height * ratio)) * 72.0 / figure.dpi
     band = min(NUMBER_BAND / side, MOST_BAND / max(ratio, 1.0 / ratio))
-    draw_motion(motion, recording, room.height / width, band, WHOLE_WIDTH if is_alone else GROWTH_FACTORS)
+    growth_factors = WHOLE_WIDTH if is_alone else GROWTH_FACTORS
+    draw_motion(motion, recording, view_of(recording, room.height / width, band, growth_factors))
     if has_own_legend:
         put_legend(motion, all_entries(motion))
     settle(figure, scaled_axes)

@@ -98,8 +98,7 @@ def foot_of(figure: Figure) -> float:
 
     The result is 0 if the figure's layout is not constrained.
     """
-    engine = figure.get_layout_engine()
-    return float(engine.get()["rect"][1]) if isinstance(engine, ConstrainedLayoutEngine) else 0.0
+    return _layout_box(figure)[1]
 
 
 def head_of(figure: Figure) -> float:
@@ -107,11 +106,27 @@ def head_of(figure: Figure) -> float:
 
     The result is 0 if the figure's layout is not constrained.
     """
+    _, bottom, _, height = _layout_box(figure)
+    return 1.0 - (bottom + height)
+
+
+def _layout_box(figure: Figure) -> tuple[float, float, float, float]:
+    """Return the box in which the axes of a figure are arranged: left, bottom, width, height.
+
+    All are relative to the size of the figure. The box is the whole figure if its layout is not constrained.
+    """
     engine = figure.get_layout_engine()
     if not isinstance(engine, ConstrainedLayoutEngine):
-        return 0.0
-    _, bottom, _, height = engine.get()["rect"]
-    return 1.0 - float(bottom + height)
+        return 0.0, 0.0, 1.0, 1.0
+    left, bottom, width, height = engine.get()["rect"]
+    return float(left), float(bottom), float(width), float(height)
+
+
+def _set_layout_box(figure: Figure, box: tuple[float, float, float, float]) -> None:
+    """Set the box of ``_layout_box``; nothing happens if the figure's layout is not constrained."""
+    engine = figure.get_layout_engine()
+    if isinstance(engine, ConstrainedLayoutEngine):
+        engine.set(rect=box)
 
 
 def reserve_margins(figure: Figure, top: float, bottom: float) -> None:
@@ -119,12 +134,10 @@ def reserve_margins(figure: Figure, top: float, bottom: float) -> None:
 
     Nothing happens if the figure's layout is not constrained.
     """
-    engine = figure.get_layout_engine()
-    if isinstance(engine, ConstrainedLayoutEngine):
-        left, bottom_edge, width, height = engine.get()["rect"]
-        top_edge = min(bottom_edge + height, 1.0 - top)
-        bottom_edge = max(bottom_edge, bottom)
-        engine.set(rect=(left, bottom_edge, width, top_edge - bottom_edge))
+    left, bottom_edge, width, height = _layout_box(figure)
+    top_edge = min(bottom_edge + height, 1.0 - top)
+    bottom_edge = max(bottom_edge, bottom)
+    _set_layout_box(figure, (left, bottom_edge, width, top_edge - bottom_edge))
 
 
 def start_at_headline(figure: Figure) -> None:
@@ -132,11 +145,9 @@ def start_at_headline(figure: Figure) -> None:
 
     Nothing happens if the figure's layout is not constrained.
     """
-    engine = figure.get_layout_engine()
-    if isinstance(engine, ConstrainedLayoutEngine):
-        left, bottom_edge, width, height = engine.get()["rect"]
-        shift = (LEFT_MARGIN - mpl.rcParams["figure.constrained_layout.w_pad"]) / figure.get_figwidth() - left
-        engine.set(rect=(left + shift, bottom_edge, width - shift, height))
+    left, bottom_edge, width, height = _layout_box(figure)
+    shift = (LEFT_MARGIN - mpl.rcParams["figure.constrained_layout.w_pad"]) / figure.get_figwidth() - left
+    _set_layout_box(figure, (left + shift, bottom_edge, width - shift, height))
 
 
 def start_left(axes: Axes, text: Text, upward: Transform | None = None) -> None:

@@ -21,7 +21,7 @@ from chain_impact.pictures.motion.impact_rings import draw_rings, draw_sticking,
 from chain_impact.pictures.motion.joint_forces import draw_loads
 from chain_impact.pictures.motion.moving_walls import draw_moving
 from chain_impact.pictures.motion.poses import RIM_WIDTH, draw_chain, draw_faint, is_covered, strong_rows
-from chain_impact.pictures.motion.view import BAND, GROWTH_FACTORS, is_flat, seen_size, view_of
+from chain_impact.pictures.motion.view import View, is_flat, seen_size, view_of
 from chain_impact.pictures.motion.walls import draw_walls, has_motion
 from chain_impact.pictures.over_time.rests import shown_time
 from chain_impact.pictures.texts.headline import time_unit
@@ -49,27 +49,16 @@ BALL_LINE = 0.3  # the width of the line of a ball's link, relative to the line 
 SHORT_LENGTH = 0.1  # [m] if all |y| on the axis of a flat motion are smaller, their unit has a prefix
 
 
-def draw_motion(
-    axes: Axes,
-    recording: Recording,
-    shape: float | None = None,
-    band: float = BAND,
-    growth_factors: Sequence[float] = GROWTH_FACTORS,
-) -> None:
+def draw_motion(axes: Axes, recording: Recording, view: View | None = None) -> None:
     """Draw the motion in the plane: walls, paths, faint poses, and strong poses at start, end and impacts.
 
-    ``shape`` is the height of the axes divided by their width, if known; ``shape``, ``band`` and
-    ``growth_factors`` are as for ``view_of``.
+    ``view`` is the part of the plane to show; by default the result of ``view_of``.
     """
-    view = view_of(recording, shape, band, growth_factors)
+    view = view_of(recording) if view is None else view
     draw_walls(axes, recording, view)
     shade = colour_of_time(recording)
     draw_faint(axes, recording)
     draw_paths(axes, recording, shade)
-    marks: dict[str, Any] = {"marker": "o" if recording.points.shape[1] <= MOST_MARKED_POINTS else ""}
-    thickness, ball = 1.0, ball_of(recording)
-    if ball is not None:  # a mark shows the ball's centre, a thin line the link
-        thickness, marks = BALL_LINE, marks | {"markevery": [ball]}
     rows = strong_rows(recording)
     strong_times = [float(time) for time in recording.impacts["onset"][rows]]
     draw_moving(axes, recording, view, shade, strong_times)
@@ -77,6 +66,33 @@ def draw_motion(
     label = "at impacts" if len(rows) > 1 else f"at impact {sum(rows) + 1}"
     # if the motion is small, start and end cover the chain at the impact
     label = "_" if small_reach(recording, view.corners) else label
+    draw_strong_poses(axes, recording, shade, strong_times, label)
+    if recording.stops:
+        draw_joint_ranges(axes, recording)
+    draw_rings(axes, recording)
+    draw_sticking(axes, recording)
+    shown_poses = [recording.points[0], recording.points[-1], *map(recording.pose_at, strong_times)]
+    draw_loads(axes, recording, view, shown_poses)
+    is_flat_motion = is_flat(recording)
+    axes.set_aspect("auto" if is_flat_motion else "equal")
+    give_ticks(axes)
+    axes.set(xlabel="x [m]", ylabel="y [m]")
+    if is_flat_motion:
+        name_enlarged_axis(axes)
+    legend_above(axes)
+
+
+def draw_strong_poses(
+    axes: Axes, recording: Recording, shade: Any, strong_times: Sequence[float], label: str
+) -> None:
+    """Draw the chain strongly at ``strong_times`` [s], at the start and at the end.
+
+    ``shade`` is a function from a time to its colour, ``label`` the name of the first pose in the legend.
+    """
+    marks: dict[str, Any] = {"marker": "o" if recording.points.shape[1] <= MOST_MARKED_POINTS else ""}
+    thickness, ball = 1.0, ball_of(recording)
+    if ball is not None:  # a mark shows the ball's centre, a thin line the link
+        thickness, marks = BALL_LINE, marks | {"markevery": [ball]}
     for time in strong_times:
         look = {"color": shade(time), "linewidth": 1.6 * thickness, "markersize": 3.5} | marks
         draw_bodies(axes, recording, recording.row_at(time), shade(time), linewidth=0.8)
@@ -91,29 +107,24 @@ def draw_motion(
             draw_chain(axes, recording.points[row], **style | rim)
         draw_bodies(axes, recording, row, colour, linewidth=1.2)
         draw_chain(axes, recording.points[row], **style)
-    if recording.stops:
-        hit = next(
-            (row for row in rows_by_speed(recording).tolist() if recording.is_at_joint_stop[row]), None
-        )
-        pose = recording.points[-1] if hit is None else recording.pose_at(recording.impacts["onset"][hit])
-        lines = list(range_lines(pose, recording.stops))
-        axes.add_collection(LineCollection(lines, colors=INK, linewidths=1.0, zorder=3.5, label="stops"))
-    draw_rings(axes, recording)
-    draw_sticking(axes, recording)
-    shown_poses = [recording.points[0], recording.points[-1], *map(recording.pose_at, strong_times)]
-    draw_loads(axes, recording, view, shown_poses)
-    is_flat_motion = is_flat(recording)
-    axes.set_aspect("auto" if is_flat_motion else "equal")
-    give_ticks(axes)
-    axes.set(xlabel="x [m]", ylabel="y [m]")
-    if is_flat_motion:
-        largest_height = float(np.abs(axes.get_ylim()).max())
-        factor, unit = prefixed_unit(largest_height, "m") if largest_height < SHORT_LENGTH else (1.0, "m")
-        scale_numbers(axes.yaxis, factor)
-        box = axes.get_window_extent()
-        zoom = box.height / box.width * np.ptp(axes.get_xlim()) / np.ptp(axes.get_ylim())
-        axes.set_ylabel(f"y\u00a0[{unit}], enlarged {zoom:#.2g} times".replace(". times", " times"))
-    legend_above(axes)
+
+
+def draw_joint_ranges(axes: Axes, recording: Recording) -> None:
+    """Draw the ranges of joints with stops, at the end or at the fastest impact at a stop of a joint."""
+    hit = next((row for row in rows_by_speed(recording).tolist() if recording.is_at_joint_stop[row]), None)
+    pose = recording.points[-1] if hit is None else recording.pose_at(recording.impacts["onset"][hit])
+    lines = list(range_lines(pose, recording.stops))
+    axes.add_collection(LineCollection(lines, colors=INK, linewidths=1.0, zorder=3.5, label="stops"))
+
+
+def name_enlarged_axis(axes: Axes) -> None:
+    """Name the axis y of a flat motion, with the factor by which y is enlarged."""
+    largest_height = float(np.abs(axes.get_ylim()).max())
+    factor, unit = prefixed_unit(largest_height, "m") if largest_height < SHORT_LENGTH else (1.0, "m")
+    scale_numbers(axes.yaxis, factor)
+    box = axes.get_window_extent()
+    zoom = box.height / box.width * np.ptp(axes.get_xlim()) / np.ptp(axes.get_ylim())
+    axes.set_ylabel(f"y\u00a0[{unit}], enlarged {zoom:#.2g} times".replace(". times", " times"))
 
 
 def all_entries(axes: Axes) -> list[Any]:
