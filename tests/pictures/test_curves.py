@@ -1,5 +1,6 @@
 """Pictures of any outputs over time."""
 
+# Tests: pictures/curve_panels.py
 # Tests: pictures/curve_looks.py, pictures/curve_peaks.py, pictures/curve_texts.py, recording/curves.py
 
 import matplotlib.pyplot as plt

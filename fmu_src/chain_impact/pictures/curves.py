@@ -2,56 +2,39 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from functools import partial
-from typing import Any
 
-import matplotlib as mpl
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
-from chain_impact.pictures.curve_looks import DASHES, SHORT_DASHES, look_indices, shared_part
+from chain_impact.pictures.curve_looks import DASHES, shared_part
+from chain_impact.pictures.curve_panels import draw_all, drawn_in
 from chain_impact.pictures.curve_peaks import (
-    MARKED_UNITS,
-    amount_lines,
     drawn_peaks,
-    extremes,
     largest_drawn,
     largest_force,
     largest_row,
     largest_vectors,
-    peaks_of_contacts,
 )
 from chain_impact.pictures.curve_texts import (
-    axis_unit,
-    change_text,
-    legend_texts,
-    quantity_text,
     values_at_onset,
 )
-from chain_impact.pictures.drawing.axis_numbers import force_text, give_ticks
-from chain_impact.pictures.drawing.colours import PALETTE, faint_colour
-from chain_impact.pictures.drawing.distinct_curves import dash_lines, plot_curves
+from chain_impact.pictures.drawing.axis_numbers import force_text
+from chain_impact.pictures.drawing.colours import PALETTE
 from chain_impact.pictures.drawing.figures import PANEL_HEIGHT, settle
 from chain_impact.pictures.drawing.head_and_foot import write_foot
 from chain_impact.pictures.drawing.labels import Label, place_labels
-from chain_impact.pictures.drawing.legends import legend_above
 from chain_impact.pictures.drawing.line_breaks import SEPARATOR
-from chain_impact.pictures.drawing.style import FULL_WIDTH, drawing_style, is_narrow
+from chain_impact.pictures.drawing.style import FULL_WIDTH, drawing_style
 from chain_impact.pictures.drawing.used_pixels import UsedPixels
 from chain_impact.pictures.drawing.users_axes import draw_into, fit_into_figure
-from chain_impact.pictures.over_time.energies import ENERGIES, energy_look
-from chain_impact.pictures.over_time.rests import shade_rests, shown_time
-from chain_impact.pictures.over_time.time_axis import impact_handles, mark_impacts, name_time
 from chain_impact.pictures.texts.headline import hit_text, peak_of, write_head
 from chain_impact.recording.contact_times import SEEN_CONTACT, has_impulses
 from chain_impact.recording.curves import Curves
 from chain_impact.recording.recording import Recording
 from chain_impact.scene.texts.names import name_parts
-from chain_impact.scene.texts.unit_text import bracketed_unit, unit_text
+from chain_impact.scene.texts.unit_text import unit_text
 from chain_impact.text import count_text, names_text
 
 # the largest number of curves in a panel, and the largest number of panels in a picture
@@ -59,16 +42,11 @@ MOST_CURVES, MOST_PANELS = len(PALETTE) * len(DASHES), 8
 PANELS_MARGINS = 1.1  # [inch] the sum of the spaces above and below all panels
 CONTACT_FORCES = ("force", "friction_force")
 NO_FORCE = "a rigid impact has an impulse, which no curve of a force shows"
-ZERO_ENDS = (-0.1, 1.0)  # the ends of an axis whose curves are all 0; the axis has no number but 0
-# the part of the text's colour in the colour of the line at the end of an impact; see ``faint_colour``
-END_LINE = 0.5
 # the largest number of names in the note at the foot of the picture on outputs that are always 0
 MOST_NAMED = 4
 LABEL_HEIGHT = 19.0  # [points] the height of a label at a curve, with the space around it
 TOLD_HEIGHT = 0.25  # [inch] the height of the text on the largest amounts of forces
 LEGEND_HEIGHT = 0.2  # [inch] the height of a row of the legend above a panel
-# the lower end of an axis whose values are all >= 0, relative to the upper end: a line at 0 is visible
-LEAST_ZERO_SHARE = -0.03
 
 
 def curves_size(curves: Curves) -> tuple[float, float]:
@@ -245,142 +223,7 @@ def draw_curve_panels(panel_axes: Sequence[Axes], recording: Recording, curves: 
         fit_into_figure(panel_axes)
 
 
-def draw_all(
-    grid: Sequence[Axes],
-    recording: Recording,
-    curves: Curves,
-    panels: Sequence[Sequence[str]],
-    *,
-    has_room_beside: bool = True,
-) -> list[list[Label]]:
-    """Draw the curves of each panel into its axes, with lines at impacts, legend and labels.
-
-    Return for each panel the labels of the curves' largest |values| (``extremes``), which are not drawn here.
-
-    ``grid``: the axes of each panel. ``panels``: the names of the outputs in each panel. ``has_room_beside``:
-    whether legends may stand beside the axes.
-    """
-    figure = grid[0].get_figure(root=True)
-    names_beside = has_room_beside and figure is not None and not is_narrow(figure)
-    start, factor = (0.0, 1.0) if curves.onset is None else (curves.onset, 1e3)
-    time, time_span = factor * (curves.time - start), shown_time(recording)
-    ends = time[[0, -1]]
-    if curves.onset is None:
-        ends = np.array([time_span.start, time_span.end])
-    keys = impact_handles(grid[0], recording, *(start + ends / factor))
-    body_indices: dict[str, int] = {}
-    known_peaks = peaks_of_contacts(recording)
-    labels: list[list[Label]] = []
-    is_shown = (time >= ends[0]) & (time <= ends[1])
-    for axes, names in zip(grid, (drawn_in(curves, names) for names in panels), strict=True):
-        axes.set_xlim(*ends)
-        mark_impacts(axes, recording, start, factor, is_thinned=True)
-        if curves.number:
-            end_key = mark_end(axes, recording, curves.number, factor)
-            keys += end_key if axes is grid[0] else []
-        stored_unit = curves.units[names[0]]
-        starts, brief = values_at_onset(curves, names), legend_texts(names)
-        changes = {name: change_text(starts[name], stored_unit) if starts else "" for name in names}
-        curves_in_panel = [curves.values[name] - starts.get(name, 0.0) for name in names]
-        scale, unit = axis_unit(stored_unit, curves_in_panel, is_close=curves.onset is not None)
-        looks = zip(names, look_indices(names, body_indices), strict=True)
-        lines = {
-            name: (
-                values,
-                {
-                    "color": PALETTE[look % len(PALETTE)],
-                    "linestyle": dashes(look // len(PALETTE), stored_unit),
-                }
-                | look_of_energy(name)
-                | {
-                    "label": f"{name}{changes[name]}",
-                },
-            )
-            for values, (name, look) in zip(curves_in_panel, looks, strict=True)
-        }
-        plot_curves(axes, time, [(scale * values, look) for values, look in lines.values()])
-        # the energies have dashes of their own, and the wide line of their total is behind the others
-        labels_of_lines = {look["label"] for name, (_, look) in lines.items() if not look_of_energy(name)}
-        dash_lines(axes, [line for line in axes.lines if line.get_label() in labels_of_lines])
-        sizes = amount_lines(curves, lines) if names_beside else {}
-        for values, look in sizes.values():
-            axes.plot(time, scale * values, **look)
-        # where the amount of a force has a curve, its largest value is told, and not those of the components
-        parts = (line for name, line in lines.items() if name.partition(".force.")[0] not in sizes)
-        visible_curves = [(values[is_shown], look) for values, look in (*sizes.values(), *parts)]
-        labels.append(extremes(time[is_shown], visible_curves, stored_unit, scale, known_peaks))
-        axis_text = f"{'Δ ' if starts else ''}{quantity_text(names, stored_unit)}"
-        axes.set_ylabel(f"{axis_text}{bracketed_unit(unit)}".lstrip())
-        if curves.onset is None:
-            shade_rests(axes, time_span)
-        time_label = f"time after the onset at {start:.6f} s [ms]"
-        if curves.onset is None:
-            time_label = "; ".join(filter(None, (name_time(axes, ends[-1]), time_span.note)))
-        axes.set_xlabel(time_label)
-        axes.margins(y=0.16 if stored_unit in MARKED_UNITS else 0.08)
-        if stored_unit in MARKED_UNITS and all(
-            not (values[is_shown] < 0.0).any() for values in curves_in_panel
-        ):
-            axes.set_ylim(LEAST_ZERO_SHARE * axes.get_ylim()[1])
-        if any(values.any() for values in curves_in_panel):
-            give_ticks(axes)
-        else:
-            axes.set(ylim=ZERO_ENDS, yticks=[0.0])
-        handles = [*axes.get_legend_handles_labels()[0], *(keys if axes is grid[0] else [])]
-        # a change has the whole name of the output: "link[1].angle − 1.2 rad"
-        legend_above(
-            axes, handles, {f"{n}{end}": f"{n if end else brief[n]}{end}" for n, end in changes.items()}
-        )
-    return labels
-
-
-def dashes(number: int, unit: str) -> Any:
-    """Return the dashes of a curve in a ``unit``; short ones if the curve may have narrow peaks.
-
-    ``number``: the index from 0 of the dashes in DASHES; the last ones replace dashes beyond them.
-    """
-    row = min(number, len(DASHES) - 1)
-    return (SHORT_DASHES if unit in MARKED_UNITS else DASHES)[row]
-
-
-def look_of_energy(name: str) -> dict[str, Any]:
-    """Return the properties of the curve of an energy of the chain; {} for any other output.
-
-    The line is as wide as those of other outputs; that of the total energy is wider.
-    """
-    owner, _, _, energy = name_parts(name)
-    if owner != "energy" or energy not in ENERGIES:
-        return {}
-    look = energy_look(energy)
-    return look | {"linewidth": mpl.rcParams["lines.linewidth"] * math.sqrt(look["linewidth"])}
-
-
 def always_zero(curves: Curves, panels: Sequence[Sequence[str]]) -> list[str]:
     """Return the outputs without a curve in ``panels``: outputs that are always 0."""
     drawn_names = {name for names in panels for name in drawn_in(curves, names)}
     return [name for names in curves.panels for name in names if name not in drawn_names]
-
-
-def drawn_in(curves: Curves, names: Sequence[str]) -> list[str]:
-    """Return the outputs of a panel that have curves.
-
-    Outputs that are 0 at all times have no curves if the panel has at least two such outputs, and at least
-    one output that is not 0 at all times.
-    """
-    moving_names = [name for name in names if curves.values[name].any()]
-    return moving_names if moving_names and len(moving_names) < len(names) - 1 else list(names)
-
-
-def mark_end(axes: Axes, recording: Recording, number: int, factor: float) -> list[Any]:
-    """Draw a dotted line at the end of impact ``number``, from 1; return the entry of a legend for it.
-
-    If the end is not known, beyond the axis, or at the onset, as that of an impulse, there is no line, and
-    the result is empty. ``factor`` is the factor from seconds after the onset to the unit of the axis.
-    """
-    onset, end = (recording.impacts[name][number - 1] for name in ("onset", "end"))
-    position = factor * (end - onset)
-    if not 0.0 < position <= axes.get_xlim()[1]:
-        return []
-    look: dict[str, Any] = {"color": faint_colour(axes, END_LINE), "linewidth": 0.8, "linestyle": ":"}
-    axes.axvline(position, **look, zorder=0)
-    return [Line2D([], [], label=f"end of impact {number}", **look)]
