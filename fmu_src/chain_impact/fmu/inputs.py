@@ -6,7 +6,7 @@ Derivatives and integrals of a table's input are computed from this input if the
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from copy import copy
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -69,17 +69,7 @@ def input_rows_for(
     stop_time, step = experiment
     times, columns = samples_of(read_table(file), stop_time)
     warn(str(file), gap_hints(times))
-    variables = description.modelVariables
-    input_names, output_names = (
-        [variable.name for variable in variables if variable.causality == kind]
-        for kind in ("input", "output")
-    )
-    for name in columns:
-        if name not in input_names:
-            hint = "a signal of the FMU drives it" if name in output_names and input_key(name) else None
-            raise UnknownNameError(
-                str(file), name, input_names, f"not an input of {description.modelName}", hint
-            )
+    input_names = _checked_inputs(description, file, columns)
     signal = Signal(
         input=tuple(columns),
         form="table",
@@ -91,16 +81,14 @@ def input_rows_for(
     )
     points = np.arange(math.ceil(stop_time / step) + 1) * step
     points = np.union1d(points, times[(times > 0.0) & (times < stop_time)])
-    left_rows, right_rows = np.zeros(
-        (2, len(points)), [(TIME, float), *((name, float) for name in input_names)]
-    )
-    left_rows[TIME] = right_rows[TIME] = points
     given_members = {
         member: determined_quantities(name)
         for name in columns
         for member in determined_quantities(name)
         if member in input_names
     }
+    left_rows, right_rows = np.zeros((2, len(points)), [(TIME, float), *((n, float) for n in given_members)])
+    left_rows[TIME] = right_rows[TIME] = points
     jumps = np.zeros(len(points), bool)
     for name, members in given_members.items():
         knot_times, powers = _polynomials(signal, members, members.index(name), stop_time)
@@ -109,14 +97,34 @@ def input_rows_for(
             rows[name] = begin + polynomial_values(knot_times, powers, points, side)
         jumps |= np.abs(right_rows[name] - left_rows[name]) > LEAST_JUMP * np.abs(right_rows[name]).max()
     jumps[0] = False
-    rows = np.concatenate([left_rows[jumps], right_rows])[[TIME, *given_members]]
+    rows = np.concatenate([left_rows[jumps], right_rows])
+    return _with_inputs(description, given_members), rows[np.argsort(rows[TIME], kind="stable")]
+
+
+def _checked_inputs(description: Any, file: Path, columns: Iterable[str]) -> list[str]:
+    """Return the names of the inputs of an FMU; refuse a column of the user's table that is no input."""
+    input_names, output_names = (
+        [variable.name for variable in description.modelVariables if variable.causality == kind]
+        for kind in ("input", "output")
+    )
+    for name in columns:
+        if name not in input_names:
+            hint = "a signal of the FMU drives it" if name in output_names and input_key(name) else None
+            raise UnknownNameError(
+                str(file), name, input_names, f"not an input of {description.modelName}", hint
+            )
+    return input_names
+
+
+def _with_inputs(description: Any, names: Container[str]) -> Any:
+    """Return the model description without the inputs that are not in ``names``."""
     short = copy(description)
     short.modelVariables = [
         variable
         for variable in description.modelVariables
-        if variable.causality != "input" or variable.name in given_members
+        if variable.causality != "input" or variable.name in names
     ]
-    return short, rows[np.argsort(rows[TIME], kind="stable")]
+    return short
 
 
 def _polynomials(
