@@ -134,23 +134,8 @@ def draw_impact_changes(axes: Axes, first_order: FirstOrderChanges, looks: Seque
             axes.text(0.0, 0.5 * (blocks[0].end + blocks[1].top), ADDED_HEADING, **heading),
             axes.transData,
         )
-    number_step = -(-len(onsets) // (FEW_NUMBERED if is_narrow(figure) else MOST_NUMBERED))
-    axes.set_xticks(
-        range(0, len(onsets), number_step), [str(k + 1) for k in range(0, len(onsets), number_step)]
-    )
-    names, rows = (
-        [name for block in blocks for name in block.names],
-        [k for block in blocks for k in block.parameters],
-    )
-    axes.set_yticks([middle for block in blocks for middle in block.middles], names, fontsize="small")
-    for label, k in zip(axes.get_yticklabels(), rows, strict=True):
-        label.set_color(looks[k]["color"] if looks[k]["color"] != GREY else INK)
-    # the word stands beside the numbers, below the names of the rows
-    axes.set_xlabel("impact", ha="right", va="top", fontsize="small")
-    offset = ScaledTranslation(-WORD_DISTANCE, -WORD_DISTANCE, figure.dpi_scale_trans)
-    edge = blended_transform_factory(axes.transData, axes.transAxes)
-    axes.xaxis.set_label_coords(FIRST_EDGE, 0.0, transform=edge + offset)
-    name_rows_inside(axes)
+    _name_rows_and_columns(axes, blocks, looks, len(onsets))
+    rows = [k for block in blocks for k in block.parameters]
     title = f"change of {impact_quantity_text(quantity, recording.is_at_joint_stop)} [%]"
     if sensitivities.parameters[list(sensitivities.parameters)[rows[0]]]:
         title += f" by + {100.0 * RELATIVE_STEP:g} %"
@@ -162,6 +147,28 @@ def draw_impact_changes(axes: Axes, first_order: FirstOrderChanges, looks: Seque
     break_lines(text, (room - 2.0 * LEFT_MARGIN) * figure.dpi, "; ")
     start_left(axes, text)
     return max(blocks[-1].end * CELL_HEIGHT, 0.0 if has_texts else SCALE_HEIGHT)
+
+
+def _name_rows_and_columns(
+    axes: Axes, blocks: Sequence[RowBlock], looks: Sequence[dict[str, Any]], impact_count: int
+) -> None:
+    """Write the names of the rows, in the colours of the curves, and the numbers of the impacts below."""
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    number_step = -(-impact_count // (FEW_NUMBERED if is_narrow(figure) else MOST_NUMBERED))
+    impact_indices = range(0, impact_count, number_step)
+    axes.set_xticks(impact_indices, [str(k + 1) for k in impact_indices])
+    names = [name for block in blocks for name in block.names]
+    axes.set_yticks([middle for block in blocks for middle in block.middles], names, fontsize="small")
+    rows = [k for block in blocks for k in block.parameters]
+    for label, k in zip(axes.get_yticklabels(), rows, strict=True):
+        label.set_color(looks[k]["color"] if looks[k]["color"] != GREY else INK)
+    # the word stands beside the numbers, below the names of the rows
+    axes.set_xlabel("impact", ha="right", va="top", fontsize="small")
+    offset = ScaledTranslation(-WORD_DISTANCE, -WORD_DISTANCE, figure.dpi_scale_trans)
+    edge = blended_transform_factory(axes.transData, axes.transAxes)
+    axes.xaxis.set_label_coords(FIRST_EDGE, 0.0, transform=edge + offset)
+    name_rows_inside(axes)
 
 
 def name_rows_inside(axes: Axes) -> None:
