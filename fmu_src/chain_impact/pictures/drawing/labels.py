@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import math
 from collections.abc import Sequence
 from itertools import product
@@ -95,73 +94,104 @@ def place_labels(
             position to the label, and may cover pale lines.
         look: properties of the text of all labels, with matplotlib's names.
     """
-    steps = np.array(CLOSE_DISTANCES + LEADER_DISTANCES if lines else CLOSE_DISTANCES[:2] + UNLED_DISTANCES)
-    probe = axes.text(0.0, 0.0, "", **look)  # a text by which the sizes of other texts are measured
-
-    @functools.cache
-    def half_size(label_text: str) -> np.ndarray:
-        """Return half of the width and of the height of a text [pixels]."""
-        probe.set_text(label_text)
-        return 0.5 * np.asarray(probe.get_window_extent().size)
-
-    def write_labels(order: Sequence[int], *, short: bool = False) -> list[int]:
-        """Write the labels with the indices in ``order``, the first index first.
-
-        If ``short``, only the short text of each label is tried, or its text if it has no short one. Return
-        the indices of the labels without room.
-        """
-        briefs = [labels[k].short or labels[k].text for k in order]
-        homes = np.array(
-            [
-                _usual_box(axes, labels[k], half_size(label_text))
-                for k, label_text in zip(order, briefs, strict=True)
-            ]
-        )
-        misses = []
-        for n, (k, label_text) in enumerate(zip(order, briefs, strict=True)):
-            choices = (label_text,) if short or label_text == labels[k].text else (labels[k].text, label_text)
-            sizes = {text: half_size(text) for choice in choices for text in (choice, folded_label(choice))}
-            given_marks = labels[k].other_marks
-            other_marks = (
-                axes.transData.transform(given_marks) if given_marks else np.delete(marks, k, axis=0)
-            )
-            if not _place(
-                axes,
-                labels[k],
-                homes[n + 1 :],
-                other_marks,
-                sizes,
-                used_pixels=used_pixels,
-                steps=steps,
-                **look,
-            ):
-                misses.append(k)
-        return misses
-
-    def remove_texts() -> None:
-        for text in {*axes.texts} - texts_before:
-            text.remove()
-        used_pixels.restore(free_pixels)
-
-    marks = axes.transData.transform(np.reshape([label.position for label in labels], (-1, 2)))
-    texts_before, free_pixels, order = {*axes.texts}, used_pixels.pixels(), range(len(labels))
-    misses = write_labels(order)
+    writer = _LabelWriter(axes, labels, used_pixels, lines=lines, look=look)
+    order = range(len(labels))
+    misses = writer.write(order)
     if misses and lines:
         retries = [*misses, *(k for k in order if k not in misses)]
-        from_left = np.lexsort(marks.T[::-1]).tolist()
+        from_left = np.lexsort(writer.marks.T[::-1]).tolist()
         best = (order, False)
         for short, tried_order in product((False, True), (retries, from_left, from_left[::-1])):
-            remove_texts()
-            fewer_misses = write_labels(tried_order, short=short)
+            writer.remove_texts()
+            fewer_misses = writer.write(tried_order, short=short)
             if len(fewer_misses) < len(misses):
                 misses, best = fewer_misses, (tried_order, short)
             if not misses:
                 break
         else:
-            remove_texts()
-            write_labels(best[0], short=best[1])
-    probe.remove()
+            writer.remove_texts()
+            writer.write(best[0], short=best[1])
+    writer.close()
     return [labels[k] for k in sorted(misses)]
+
+
+class _LabelWriter:
+    """Writes labels into axes for ``place_labels``, which has the same arguments, and removes them again.
+
+    Attributes:
+        marks: the positions of the labels [pixels], shape (number of labels, 2).
+    """
+
+    def __init__(
+        self,
+        axes: Axes,
+        labels: Sequence[Label],
+        used_pixels: UsedPixels,
+        *,
+        lines: bool,
+        look: dict[str, Any],
+    ) -> None:
+        """Store the texts and the free pixels before the first label."""
+        self.axes, self.labels, self.used_pixels, self.look = axes, labels, used_pixels, look
+        distances = CLOSE_DISTANCES + LEADER_DISTANCES if lines else CLOSE_DISTANCES[:2] + UNLED_DISTANCES
+        self.steps = np.array(distances)
+        self.probe = axes.text(0.0, 0.0, "", **look)  # a text by which the sizes of other texts are measured
+        self.half_sizes: dict[str, np.ndarray] = {}
+        self.marks = axes.transData.transform(np.reshape([label.position for label in labels], (-1, 2)))
+        self.texts_before, self.free_pixels = {*axes.texts}, used_pixels.pixels()
+
+    def half_size(self, label_text: str) -> np.ndarray:
+        """Return half of the width and of the height of a text [pixels]."""
+        if label_text not in self.half_sizes:
+            self.probe.set_text(label_text)
+            self.half_sizes[label_text] = 0.5 * np.asarray(self.probe.get_window_extent().size)
+        return self.half_sizes[label_text]
+
+    def write(self, order: Sequence[int], *, short: bool = False) -> list[int]:
+        """Write the labels with the indices in ``order``, the first index first.
+
+        If ``short``, only the short text of each label is tried, or its text if it has no short one. Return
+        the indices of the labels without room.
+        """
+        ordered_labels = [self.labels[k] for k in order]
+        briefs = [label.short or label.text for label in ordered_labels]
+        homes = np.array(
+            [
+                _usual_box(self.axes, label, self.half_size(brief))
+                for label, brief in zip(ordered_labels, briefs, strict=True)
+            ]
+        )
+        misses = []
+        for n, (k, label, brief) in enumerate(zip(order, ordered_labels, briefs, strict=True)):
+            choices = (brief,) if short or brief == label.text else (label.text, brief)
+            texts = [text for choice in choices for text in (choice, folded_label(choice))]
+            other_marks = (
+                self.axes.transData.transform(label.other_marks)
+                if label.other_marks
+                else np.delete(self.marks, k, axis=0)
+            )
+            if not _place(
+                self.axes,
+                label,
+                homes[n + 1 :],
+                other_marks,
+                {text: self.half_size(text) for text in texts},
+                used_pixels=self.used_pixels,
+                steps=self.steps,
+                **self.look,
+            ):
+                misses.append(k)
+        return misses
+
+    def remove_texts(self) -> None:
+        """Remove all labels, and free their pixels."""
+        for text in {*self.axes.texts} - self.texts_before:
+            text.remove()
+        self.used_pixels.restore(self.free_pixels)
+
+    def close(self) -> None:
+        """Remove the text by which others are measured."""
+        self.probe.remove()
 
 
 def _usual_box(axes: Axes, label: Label, half: np.ndarray) -> np.ndarray:
