@@ -21,6 +21,7 @@ from chain_impact.simulation.input_values import checked_input, finite_value, va
 from chain_impact.simulation.motions import (
     ACCURACY,
     FINELY_RESOLVED,
+    Channel,
     ChannelMotion,
     as_function,
     channels_of,
@@ -187,26 +188,33 @@ def input_schedule(prepared_scene: PreparedScene, inputs: NamedInputs, times: np
     all_times = np.union1d(grid_times, begin)
     belt_jumps = np.asarray(has_jumps_of_order(pieces, motion_columns[belts], 1).any(axis=1))
     bends = has_jumps_of_order(pieces, motion_columns, 2).any(axis=1)
-    paths = {variable.name: variable.record_path for variable in prepared_scene.inputs}
+    paths, columns = _paths_and_columns(prepared_scene, list(given_inputs), channels, motions)
     return InputSchedule(
         times=all_times,
         is_requested=np.isin(all_times, times),
-        paths=(
-            *(paths[name] for name in given_inputs),
-            *((GIVEN_CHANNEL, PIECE, j) for j in range(len(motions))),
-        ),
+        paths=paths,
         pieces=pieces,
         first_row=np.append(0, np.searchsorted(all_times, begin) + 1),
         restarts=pieces.jumps | belt_jumps | bends,
         belt_jumps=belt_jumps,
-        columns={name: (m, 0) for m, name in enumerate(given_inputs)}
-        | {
-            name: (len(given_inputs) + j, order)
-            for j, (channel, motion) in enumerate(zip(channels, motions, strict=True))
-            for name, order in channel.orders.items()
-            if motion.name
-        },
+        columns=columns,
     )
+
+
+def _paths_and_columns(
+    prepared_scene: PreparedScene,
+    names: Sequence[str],
+    channels: Sequence[Channel],
+    motions: Sequence[ChannelMotion],
+) -> tuple[tuple[DataPath, ...], dict[str, tuple[int, int]]]:
+    """Return ``paths`` and ``columns`` of ``InputSchedule``: first the inputs ``names``, then the motions."""
+    paths = {variable.name: variable.record_path for variable in prepared_scene.inputs}
+    columns = {name: (m, 0) for m, name in enumerate(names)}
+    for j, (channel, motion) in enumerate(zip(channels, motions, strict=True)):
+        if motion.name:
+            columns |= {name: (len(names) + j, order) for name, order in channel.orders.items()}
+    paths_of_motions = ((GIVEN_CHANNEL, PIECE, j) for j in range(len(motions)))
+    return (*(paths[name] for name in names), *paths_of_motions), columns
 
 
 def _checked_inputs(prepared_scene: PreparedScene, inputs: Mapping[str, Any]) -> dict[str, Any]:
