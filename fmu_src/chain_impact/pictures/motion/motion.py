@@ -39,7 +39,7 @@ DENSE = 0.3  # a line that would cover more than this part of the area around th
 LINE_CELL, AREA_CELL = 0.01, 0.05  # see ``density``
 MOST_SAMPLES = 20000  # the largest number of points on a path from which ``density`` computes
 # If the last part of a tip's path, shorter than HIDING × the duration of the run, covers the earlier part,
-# the legend tells this; REVISITED: see ``last_time_seen``.
+# the legend tells this; REVISITED: see ``duration_of_visible_part``.
 HIDING, REVISITED = 0.5, 0.05
 HIDDEN_REACH = 0.02  # see ``small_reach``
 # with more paths of points than this, only every second one, or every third one, and so on, is drawn
@@ -182,7 +182,7 @@ def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
     middles = 0.5 * (recording.time[1:] + recording.time[:-1])
     pieces = np.stack([tip[:-1], tip[1:]], axis=1)
     width = PATH_WIDTH * min(1.0, (DENSE / density(tip, seen_size(recording))) ** 2)
-    on_top = last_time_seen(tip, recording.time, seen_size(recording))
+    on_top = duration_of_visible_part(tip, recording.time, seen_size(recording))
     factor, unit = time_unit(on_top)
     label_text = f"{name}, last {factor * on_top:.2g} {unit} on top"
     entry = label_text if 0.0 < on_top < HIDING * np.ptp(recording.time) else name
@@ -208,11 +208,11 @@ def small_reach(recording: Recording, corners: np.ndarray) -> str:
     return f"no point moves more than {force_text(reach, 'm')} along x or y"
 
 
-def last_time_seen(path: np.ndarray, time: np.ndarray, size: float) -> float:
-    """Return how long before the end a path began to cover all of its places for the last time [s].
+def duration_of_visible_part(path: np.ndarray, time: np.ndarray, size: float) -> float:
+    """Return the duration [s] of the last part of a path, which covers the part before it.
 
-    A place is a square with the side AREA_CELL × ``size`` [m]; the part REVISITED of all places may be
-    without a later visit. ``path`` has the shape (T, 2) [m], ``time`` the shape (T,) [s].
+    The last part visits all squares that the whole path visits, except the share REVISITED of them. The side
+    of a square is AREA_CELL × ``size`` [m]. ``path`` has the shape (T, 2) [m], ``time`` the shape (T,) [s].
     """
     cells = np.floor(path / (AREA_CELL * size))
     _, ages = np.unique(cells[::-1], axis=0, return_index=True)

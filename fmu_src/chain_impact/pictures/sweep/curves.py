@@ -75,9 +75,10 @@ def draw_curves(
 ) -> None:
     """Draw each quantity over a parameter in its panel.
 
-    At the foot, a failed run has a cross, and a run ``is_without_touch`` a ring.
-    Samples are points without lines. All other runs have a mark or, on lines with many of them, a dot; of
-    such lines, the points of ``has_marks`` have marks. ``ring_hidden_marks`` shows marks below others.
+    At the foot of a panel, a failed run has a cross, and a run ``is_without_touch`` a ring. Samples are
+    points without lines. Without samples, lines join the runs. On a line with few runs, each run has a mark;
+    on one with many, only the runs in ``has_marks`` have marks, and all others have dots.
+    ``ring_hidden_marks`` shows marks that are below others.
 
     ``abscissa``: the parameter on the horizontal axis, a number. ``choice``: a second parameter; each of the
     numbers or choices of ``choice`` has a line, but choices with equal results share a line (``lines_of``).
