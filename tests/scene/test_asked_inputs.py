@@ -7,6 +7,7 @@ import pytest
 from chain_impact import load_scene
 from chain_impact.scene.asked_inputs import inputs_of, request_hint
 from chain_impact.scene.texts.input_table import INPUT_KINDS
+from chain_impact.scene.texts.names import is_like
 from tests.helpers.tools.refusal import refusal
 
 ASKS = re.compile(r"set inputs\.(\w+) = (true|\[\"(\w+)\"\])$")
@@ -42,3 +43,11 @@ def test_a_free_base_has_no_joint_1():
     scene = load_scene("rod_drop").with_values({"inputs.joint_torques": True})
     assert 'chain.base = "free"' in request_hint(scene, "joint[1].torque")
     assert "chain.base" not in request_hint(load_scene("pinned_arm"), "joint[3].torque")
+
+
+def test_a_scene_can_ask_for_the_inputs_of_each_row_of_the_table():
+    scenes = (
+        load_scene(model).with_values({"inputs.wall_motion": ["*"]}) for model in ("pinned_arm", "cart_pole")
+    )
+    names = {name for scene in scenes for name in inputs_of(scene, are_asked=False)}
+    assert [row for row in INPUT_KINDS if not any(is_like(name, row) for name in names)] == []
