@@ -10,6 +10,7 @@ import pytest
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.constraints.geometry import clearance_and_rate
 from chain_impact.kernel.ode import step_errors
+from chain_impact.kernel.record.constants import EXPLICIT, IMPLICIT
 from chain_impact.kernel.record.state import (
     FIRST_ANGLE,
     dissipated_at,
@@ -200,19 +201,20 @@ def test_moments_count_where_a_rigid_wall_holds_a_point():
 @pytest.mark.parametrize(
     ("tolerance", "age", "round_off"),
     [
-        (1e-4, 0.0, 0.0),
+        (1e-4, 0.0, (0.0, 0.0)),
         (1e-13, 0.0, step_errors.POSITION_ROUND_OFF),
         (1e-13, 0.01, step_errors.POSITION_ROUND_OFF_AT_REST),
     ],
 )
-def test_no_scale_asks_for_less_than_round_off(tolerance, age, round_off):
+@pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
+def test_no_scale_asks_for_less_than_round_off(tolerance, age, round_off, method):
     """The round-off of a place after a large turn, and this round-off times the contact's frequency v₀/δ*."""
     rng = np.random.default_rng(7)
     _, d = chain(rng, 2)
     y = locate_touching_state(rng, d, [0])
     d.contacts.expected_penetration[0], d.contacts.latched_speed[0], d.solver.tolerance = 1e-6, 0.5, tolerance
     y[FIRST_ANGLE + 1] = -4e3
-    d.contacts.onset[0], d.step.end = 1.0, 1.0 + age
+    d.contacts.onset[0], d.step.end, d.step.method = 1.0, 1.0 + age, method
     size, gap = d.chain.longest_link, sundman_u_at(2)
     before, after = np.ones((2, gap + 1))
     step_errors.set_scales(d, y, before, 1)
@@ -220,8 +222,8 @@ def test_no_scale_asks_for_less_than_round_off(tolerance, age, round_off):
     step_errors.raise_scales(d, y, after, 0)
     np.testing.assert_array_equal(after, before)
     step_errors.raise_scales(d, y, after, 1)
-    least = 4e3 * size * round_off / tolerance
-    turning, raised = omega_at(2), round_off > 0.0
+    least = 4e3 * size * round_off[method] / tolerance
+    turning, raised = omega_at(2), least > 0.0
     assert after[gap] == pytest.approx(least if raised else before[gap], rel=1e-13)
     assert after[turning - 1] == pytest.approx(5e5 * least if raised else before[turning - 1], rel=1e-13)
     assert after[turning] == pytest.approx(5e5 * least / size if raised else before[turning], rel=1e-13)

@@ -26,10 +26,14 @@ from chain_impact.kernel.record.state import (
 # up to this value. With more than some hundredths, a point that comes to rest would bounce again.
 LARGEST_ERROR = 0.01
 # POSITION_ROUND_OFF: the round-off of a position, relative to the larger of two lengths: the largest
-# coordinate, and the largest angle times the longest link. For contacts that have lasted longer than
-# AGE_AT_REST/ω, with the contact's frequency ω, POSITION_ROUND_OFF_AT_REST is used: in such a contact, a
-# single step with more round-off than usual would excite a motion that short steps keep alive.
-POSITION_ROUND_OFF, POSITION_ROUND_OFF_AT_REST, AGE_AT_REST = 1e-15, 4e-15, 1e3
+# coordinate, and the largest angle times the longest link. The first entry is for explicit steps, the second
+# for implicit steps. Explicit steps do not damp the motions that round-off excites, so a larger value would
+# only make them less accurate.
+POSITION_ROUND_OFF = (1e-16, 1e-15)
+# The values that replace POSITION_ROUND_OFF in contacts that have lasted longer than AGE_AT_REST/ω, with the
+# contact's frequency ω: in such a contact, a single step with more round-off than usual would excite a motion
+# that short steps keep alive.
+POSITION_ROUND_OFF_AT_REST, AGE_AT_REST = (4e-16, 4e-15), 1e3
 
 
 def set_scales(d, y, scale, contact_count):
@@ -72,6 +76,7 @@ def raise_scales(d, y, scale, contact_count):
     n, longest_link, largest_angle, speed = d.link_count, d.chain.longest_link, 0.0, 0.0
     if contact_count == 0:
         return
+    method = d.step.method
     for i in range(n):
         largest_angle = max(largest_angle, abs(y[FIRST_ANGLE + i]))
     round_off_length = max(largest_coordinate(d), longest_link * largest_angle) / d.solver.tolerance
@@ -79,7 +84,9 @@ def raise_scales(d, y, scale, contact_count):
         c = d.contacts.active_index[k]
         frequency = d.contacts.latched_speed[c] / d.contacts.expected_penetration[c]
         is_at_rest = frequency * (d.step.end - d.contacts.onset[c]) > AGE_AT_REST
-        round_off = round_off_length * (POSITION_ROUND_OFF_AT_REST if is_at_rest else POSITION_ROUND_OFF)
+        round_off = round_off_length * (
+            POSITION_ROUND_OFF_AT_REST[method] if is_at_rest else POSITION_ROUND_OFF[method]
+        )
         scale[sundman_u_at(n) + k] = max(scale[sundman_u_at(n) + k], round_off)
         speed = max(speed, frequency * round_off)
     if speed <= longest_link:  # by ``set_scales``, no scale of a speed is smaller
