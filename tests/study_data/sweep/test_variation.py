@@ -36,6 +36,19 @@ def test_texts_and_numbers_give_the_values_of_a_variation(text, values):
     assert variation.values[[0, -1]].tolist() == [values[0], values[-1]]
 
 
+@pytest.mark.parametrize(
+    ("name", "text", "values"),
+    [
+        ("contact.restitution", "0.1:1:10", [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0]),
+        ("gravity.x", "-0.3:0.3:7", [-0.3, -0.2, -0.1, 0.0, 0.1, 0.2, 0.3]),
+        ("contact.stiffness", "1e5:1e10:6:log", [1e5, 1e6, 1e7, 1e8, 1e9, 1e10]),
+        ("gravity.x", "0:0:3", [0.0, 0.0, 0.0]),
+    ],
+)
+def test_the_values_of_a_range_have_no_round_off(name, text, values):
+    assert variation_of(name, text).values.tolist() == values
+
+
 def test_choices_by_name_and_by_number():
     for values in ("flores,hertz", "10,1", ["flores", "hertz"], [10, "hertz"]):
         variation = variation_of("contact.model", values)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -154,7 +155,18 @@ def _range(variable: Variable, text: str) -> Variation:
     if not numbers:
         return Variation(variable, ends, interval=True, logarithmic=is_logarithmic)
     space = np.geomspace if is_logarithmic else np.linspace
-    return Variation(variable, space(*ends, *numbers), logarithmic=is_logarithmic)
+    values = space(*ends, *numbers)
+    scales = np.abs(values) if is_logarithmic else np.full(len(values), np.abs(ends).max())
+    values[1:-1] = [_rounded(*pair) for pair in zip(values[1:-1], scales[1:-1], strict=True)]
+    return Variation(variable, values, logarithmic=is_logarithmic)
+
+
+def _rounded(value: float, scale: float) -> float:
+    """Return a value without its round-off: 0.3 for 0.30000000000000004, the third of 0.1:1:10.
+
+    The result has 15 decimal digits if it is as large as ``scale``, which is not below |value|.
+    """
+    return round(float(value), 14 - math.floor(math.log10(scale))) if scale > 0.0 else value
 
 
 def _number(variable: Variable, value: object) -> float:
