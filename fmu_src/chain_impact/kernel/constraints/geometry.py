@@ -255,7 +255,7 @@ def clearance_acceleration(d, c):
 
 
 def may_have_belt(d, e):
-    """Return whether e is a candidate in a scene with prescribed motions; else no belt moves under e."""
+    """Return False if no belt can move at element e: no motion is prescribed, or e is at no wall."""
     return d.channel_count > 0 and e < d.candidate_count
 
 

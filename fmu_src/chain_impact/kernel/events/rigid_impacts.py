@@ -154,7 +154,11 @@ def begin_late_contacts(d):
 
 
 def set_rates_after_impulses(d):
-    """Set rates of contacts with a force law, and on which side of the kink they are, after the impulses."""
+    """Store, for each contact with a force law, its rates after the impulses, and the side of its kink.
+
+    The rates are those of the penetration and of the force, from which the next step starts. A force law may
+    have a kink (``kink_height``).
+    """
     locate_points_now(d, d.step.state_end)
     for k in range(d.contacts.force_law_count):
         c = d.contacts.active_index[k]

@@ -84,12 +84,12 @@ def scale_next_size(d, ratio):
 
 
 def store_flight_size(d):
-    """Store the size proposed while no contact with a force law is active, for ``propose_flight_size``."""
+    """Store the proposed size of the next step, for flight: no contact with a force law is active."""
     d.step.flight_size = d.step.next_size
 
 
 def propose_flight_size(d):
-    """Propose the size that ``store_flight_size`` has stored, after the contacts with a force law end."""
+    """Propose the step size that ``store_flight_size`` stored; the contacts with a force law have ended."""
     propose_size(d, d.step.flight_size)
 
 
