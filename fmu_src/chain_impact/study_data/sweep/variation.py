@@ -26,6 +26,7 @@ from chain_impact.variables.variable import Variable
 Values = str | float | Sequence[float | str] | np.ndarray
 STOP_TIME_VARIABLE = Variable.from_kind(SIMULATION_KINDS[0], Owner(), {}, variability="fixed")
 LOG = "log"
+EPSILON = float(np.finfo(float).eps)
 MOST_VALUES = 10**7  # the largest number of values that a text such as 0.1:0.9:9 may ask for
 RANGE = re.compile(r"[\d.eE+]+\s*(?:-|–|\.\.+|to)\s*[\d.eE+]+")
 """Matches a range in a wrong form, such as 0.1-0.9; the error then tells the right form."""
@@ -164,9 +165,13 @@ def _range(variable: Variable, text: str) -> Variation:
 def _rounded(value: float, scale: float) -> float:
     """Return a value without its round-off: 0.3 for 0.30000000000000004, the third of 0.1:1:10.
 
-    The result has 15 decimal digits if it is as large as ``scale``, which is not below |value|.
+    ``scale`` is not below |value|. A value that differs from the decimal number by more than round-off of
+    this scale, such as one that was given in degrees, stays.
     """
-    return round(float(value), 14 - math.floor(math.log10(scale))) if scale > 0.0 else value
+    if scale == 0.0:
+        return value
+    decimal = round(float(value), 14 - math.floor(math.log10(scale)))
+    return decimal if abs(decimal - value) <= 4.0 * EPSILON * scale else value
 
 
 def _number(variable: Variable, value: object) -> float:
